@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// The interface of matter: what any point of space would be made of.
+#pragma once
+
+#include <memory>
+
+#include "kernel/export.h"
+#include "kernel/math/colour.h"
+#include "kernel/math/transform.h"
+#include "kernel/math/vector.h"
+
+namespace lapidary {
+
+// Where matter is asked for, in the material's own space.
+struct Site {
+    Point point;
+    double footprint = 0;  // about how wide a pixel is there, in the material's units; 0: infinitely sharp
+};
+
+struct Matter {
+    Colour colour = Colour::white();  // diffuse; in a transparent medium what is left of white light after `depth`
+    double reflection = 0;            // part of the result that is mirrored, 0 to 1
+    double refraction = 0;            // refractive index; 0: opaque
+    double shininess = 10;            // exponent of the highlight
+    double opacity = 0;               // with refraction: part of the surface that is lit like an opaque one
+    double depth = 1;                 // with refraction: the length over which colour is reached
+    Vector relief;                    // bump times the gradient of the relief at the point
+
+    bool is_transparent() const { return refraction > 0; }
+};
+
+class LAPIDARY_API Material {
+public:
+    Material() = default;
+    Material(const Material&) = delete;
+    Material& operator=(const Material&) = delete;
+    virtual ~Material();
+
+    virtual Matter evaluate(const Site& site) const = 0;
+
+    // Constant in space, relief included: lets the kernel skip the march and sample once.
+    virtual bool is_uniform() const { return false; }
+    // Whether any point of it may be transparent, mirror, or carry relief: what no material of a scene does is
+    // compiled out of the inner loop.
+    virtual bool may_be_transparent() const = 0;
+    virtual bool may_reflect() const = 0;
+    virtual bool may_have_relief() const = 0;
+};
+
+using MaterialPtr = std::shared_ptr<const Material>;
+
+}  // namespace lapidary

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/math/transform.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lapidary {
+
+namespace {
+
+constexpr TwoPartMatrix3 zero_matrix() { return {}; }
+
+TwoPartMatrix3 identity_matrix() {
+    TwoPartMatrix3 m = zero_matrix();
+    for (int i = 0; i < 3; ++i) m[i][i] = 1.0;
+    return m;
+}
+
+TwoPartMatrix3 multiply(const TwoPartMatrix3& a, const TwoPartMatrix3& b) {
+    TwoPartMatrix3 m;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+    return m;
+}
+
+std::array<TwoPart, 3> multiply(const std::array<TwoPart, 3>& v, const TwoPartMatrix3& m) {
+    return {v[0] * m[0][0] + v[1] * m[1][0] + v[2] * m[2][0], v[0] * m[0][1] + v[1] * m[1][1] + v[2] * m[2][1],
+            v[0] * m[0][2] + v[1] * m[1][2] + v[2] * m[2][2]};
+}
+
+TwoPartMatrix3 transpose(const TwoPartMatrix3& m) {
+    TwoPartMatrix3 t;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) t[i][j] = m[j][i];
+    return t;
+}
+
+struct SineCosine {
+    TwoPart sine, cosine;
+};
+
+// sin and cos of a double to about 100 bits. The quarter turns are subtracted with pi/2 in three parts, the rest
+// goes through the Taylor series. An angle that is a multiple of pi/2 to its last bit is meant as that multiple,
+// so that right angles map axes onto axes exactly.
+SineCosine sine_cosine(double angle) {
+    constexpr double half_pi_1 = 0x1.921fb54442d18p+0;
+    constexpr double half_pi_2 = 0x1.1a62633145c07p-54;
+    constexpr double half_pi_3 = -0x1.f1976b7ed8fbcp-110;
+    const double turns = std::nearbyint(angle / half_pi_1);
+    TwoPart x = TwoPart(angle) - two_product(turns, half_pi_1);
+    x = x - two_product(turns, half_pi_2) - two_product(turns, half_pi_3);
+    if (std::fabs(x.hi) <= 0x1p-53 * std::fabs(angle)) x = 0.0;
+
+    const TwoPart square = x * x;
+    TwoPart sine = x, cosine = 1.0, sine_term = x, cosine_term = 1.0;
+    for (int k = 1; k <= 14; ++k) {
+        cosine_term = -(cosine_term * square) / TwoPart((2.0 * k - 1) * (2.0 * k));
+        sine_term = -(sine_term * square) / TwoPart((2.0 * k) * (2.0 * k + 1));
+        cosine = cosine + cosine_term;
+        sine = sine + sine_term;
+    }
+    const int quadrant = static_cast<int>(std::fmod(std::fmod(turns, 4.0) + 4.0, 4.0));
+    switch (quadrant) {
+        case 1: return {cosine, -sine};
+        case 2: return {-sine, -cosine};
+        case 3: return {-cosine, sine};
+        default: return {sine, cosine};
+    }
+}
+
+TwoPart square_root(const TwoPart& a) {
+    if (!(a.hi > 0)) return 0.0;
+    const double root = std::sqrt(a.hi);
+    return TwoPart(root) + (a - two_product(root, root)) / TwoPart(2 * root);
+}
+
+// Rotation by an angle that carries axis `from` toward axis `to`.
+TwoPartMatrix3 axis_rotation(int from, int to, double angle) {
+    const SineCosine sc = sine_cosine(angle);
+    TwoPartMatrix3 m = identity_matrix();
+    m[from][from] = sc.cosine;
+    m[from][to] = sc.sine;
+    m[to][from] = -sc.sine;
+    m[to][to] = sc.cosine;
+    return m;
+}
+
+// Rodrigues' formula about a unit axis, in the sense of rotx, roty and rotz: for the axis (1,0,0), +y turns toward +z.
+std::optional<TwoPartMatrix3> rotation(const Vector& axis, double angle) {
+    const double largest = std::fmax(std::fabs(axis.x), std::fmax(std::fabs(axis.y), std::fabs(axis.z)));
+    if (!(largest > 0) || !(largest < infinity)) return std::nullopt;
+    int exponent = 0;
+    (void)std::frexp(largest, &exponent);
+    std::array<TwoPart, 3> a{std::ldexp(axis.x, -exponent), std::ldexp(axis.y, -exponent), std::ldexp(axis.z, -exponent)};
+    const TwoPart norm = square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    for (TwoPart& component : a) component = component / norm;
+
+    const SineCosine sc = sine_cosine(angle);
+    const TwoPart versine = TwoPart(1.0) - sc.cosine;
+    TwoPartMatrix3 m;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[i][j] = versine * a[i] * a[j];
+    for (int i = 0; i < 3; ++i) m[i][i] = m[i][i] + sc.cosine;
+    m[0][1] = m[0][1] + sc.sine * a[2];
+    m[1][2] = m[1][2] + sc.sine * a[0];
+    m[2][0] = m[2][0] + sc.sine * a[1];
+    m[1][0] = m[1][0] - sc.sine * a[2];
+    m[2][1] = m[2][1] - sc.sine * a[0];
+    m[0][2] = m[0][2] - sc.sine * a[1];
+    return m;
+}
+
+// The inverse by cofactors in two-part arithmetic, for matrices given number by number. Rows and columns are
+// scaled by powers of two first, so that the determinant of a tiny matrix does not underflow.
+std::optional<TwoPartMatrix3> inverse_of(const TwoPartMatrix3& original) {
+    TwoPartMatrix3 m = original;
+    std::array<int, 3> row_exponent{}, column_exponent{};
+    const auto exponent_of = [](double a, double b, double c, int& exponent) {
+        const double largest = std::fmax(std::fabs(a), std::fmax(std::fabs(b), std::fabs(c)));
+        if (!(largest > 0) || !(largest < infinity)) return false;
+        (void)std::frexp(largest, &exponent);
+        return true;
+    };
+    const auto shift = [](TwoPart& value, int exponent) {
+        value = {std::ldexp(value.hi, exponent), std::ldexp(value.lo, exponent)};
+    };
+    for (int i = 0; i < 3; ++i) {
+        if (!exponent_of(m[i][0].hi, m[i][1].hi, m[i][2].hi, row_exponent[i])) return std::nullopt;
+        for (int j = 0; j < 3; ++j) shift(m[i][j], -row_exponent[i]);
+    }
+    for (int j = 0; j < 3; ++j) {
+        if (!exponent_of(m[0][j].hi, m[1][j].hi, m[2][j].hi, column_exponent[j])) return std::nullopt;
+        for (int i = 0; i < 3; ++i) shift(m[i][j], -column_exponent[j]);
+    }
+    TwoPartMatrix3 cofactor;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            cofactor[i][j] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
+        }
+    const TwoPart determinant = m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1] + m[0][2] * cofactor[0][2];
+    // Entries are near 1 now: a determinant that is all rounding means rank 2 or less.
+    if (!(std::fabs(determinant.hi) > 0x1p-100)) return std::nullopt;
+    TwoPartMatrix3 inverse;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            inverse[j][i] = cofactor[i][j] / determinant;
+            shift(inverse[j][i], -row_exponent[i] - column_exponent[j]);
+        }
+    return inverse;
+}
+
+bool is_finite(const TwoPartMatrix3& m) {
+    for (const auto& row : m)
+        for (const TwoPart& value : row)
+            if (!std::isfinite(value.hi) || !std::isfinite(value.lo)) return false;
+    return true;
+}
+
+Matrix3 round(const TwoPartMatrix3& m) {
+    Matrix3 rounded;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) rounded[i][j] = static_cast<double>(m[i][j]);
+    return rounded;
+}
+
+// v M for the row vector v.
+Vector multiply(const Vector& v, const Matrix3& m) {
+    return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
+            v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
+}
+
+// v M^T for the row vector v.
+Vector multiply_transposed(const Vector& v, const Matrix3& m) {
+    return {v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2], v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],
+            v.x * m[2][0] + v.y * m[2][1] + v.z * m[2][2]};
+}
+
+}  // namespace
+
+ExactTransform::ExactTransform() : linear_(identity_matrix()), inverse_linear_(identity_matrix()), translation_{} {}
+
+std::optional<ExactTransform> ExactTransform::of(const TransformFactor& factor) {
+    const auto& v = factor.values;
+    ExactTransform t;
+    switch (factor.kind) {
+        case TransformFactor::Kind::translate:
+            t.translation_ = {v[0], v[1], v[2]};
+            break;
+        case TransformFactor::Kind::scale:
+            for (int i = 0; i < 3; ++i) {
+                if (!(std::fabs(v[i]) > 0) || !std::isfinite(v[i])) return std::nullopt;
+                t.linear_[i][i] = v[i];
+                t.inverse_linear_[i][i] = TwoPart(1.0) / TwoPart(v[i]);
+                if (v[i] != 1) t.identity_linear_ = false;
+            }
+            break;
+        case TransformFactor::Kind::rotx:
+        case TransformFactor::Kind::roty:
+        case TransformFactor::Kind::rotz: {
+            if (!std::isfinite(v[0])) return std::nullopt;
+            const int axis = static_cast<int>(factor.kind) - static_cast<int>(TransformFactor::Kind::rotx);
+            t.linear_ = axis_rotation((axis + 1) % 3, (axis + 2) % 3, v[0]);
+            t.inverse_linear_ = transpose(t.linear_);
+            t.identity_linear_ = v[0] == 0;
+            break;
+        }
+        case TransformFactor::Kind::rotate: {
+            const auto turned = rotation({v[0], v[1], v[2]}, v[3]);
+            if (!turned || !std::isfinite(v[3])) return std::nullopt;
+            t.linear_ = *turned;
+            t.inverse_linear_ = transpose(t.linear_);
+            t.identity_linear_ = false;
+            break;
+        }
+        case TransformFactor::Kind::shear:
+        case TransformFactor::Kind::matrix: {
+            if (factor.kind == TransformFactor::Kind::shear) {
+                // x gains xy y + xz z, y gains yx x + yz z, z gains zx x + zy y
+                t.linear_[1][0] = v[0], t.linear_[2][0] = v[1];
+                t.linear_[0][1] = v[2], t.linear_[2][1] = v[3];
+                t.linear_[0][2] = v[4], t.linear_[1][2] = v[5];
+            } else {
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) t.linear_[i][j] = v[3 * i + j];
+                t.translation_ = {v[9], v[10], v[11]};
+            }
+            const auto inverted = inverse_of(t.linear_);
+            if (!inverted) return std::nullopt;
+            t.inverse_linear_ = *inverted;
+            t.identity_linear_ = false;
+            break;
+        }
+    }
+    for (const TwoPart& value : t.translation_)
+        if (!std::isfinite(value.hi)) return std::nullopt;
+    if (!is_finite(t.linear_) || !is_finite(t.inverse_linear_)) return std::nullopt;
+    return factor.inverted ? t.inverse() : t;
+}
+
+std::optional<ExactTransform> ExactTransform::of(const std::vector<TransformFactor>& factors) {
+    ExactTransform composed;
+    for (const TransformFactor& factor : factors) {
+        const auto next = of(factor);
+        if (!next) return std::nullopt;
+        composed = composed.then(*next);
+    }
+    if (!is_finite(composed.linear_) || !is_finite(composed.inverse_linear_)) return std::nullopt;
+    return composed;
+}
+
+ExactTransform ExactTransform::then(const ExactTransform& next) const {
+    ExactTransform t;
+    t.identity_linear_ = identity_linear_ && next.identity_linear_;
+    if (next.identity_linear_) {
+        t.linear_ = linear_;
+        t.inverse_linear_ = inverse_linear_;
+        t.translation_ = translation_;
+    } else {
+        t.linear_ = identity_linear_ ? next.linear_ : multiply(linear_, next.linear_);
+        t.inverse_linear_ = identity_linear_ ? next.inverse_linear_ : multiply(next.inverse_linear_, inverse_linear_);
+        t.translation_ = multiply(translation_, next.linear_);
+    }
+    for (int i = 0; i < 3; ++i) t.translation_[i] = t.translation_[i] + next.translation_[i];
+    return t;
+}
+
+ExactTransform ExactTransform::inverse() const {
+    ExactTransform t;
+    t.linear_ = inverse_linear_;
+    t.inverse_linear_ = linear_;
+    t.identity_linear_ = identity_linear_;
+    const auto back = multiply(translation_, inverse_linear_);
+    t.translation_ = {-back[0], -back[1], -back[2]};
+    return t;
+}
+
+Transform::Transform(const ExactTransform& exact)
+    : linear_(round(exact.linear())), inverse_linear_(round(exact.inverse_linear())), identity_linear_(exact.has_identity_linear()) {
+    const auto& c = exact.translation();
+    centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
+}
+
+Vector Transform::to_parent(const Vector& v) const { return identity_linear_ ? v : multiply(v, linear_); }
+Vector Transform::to_local(const Vector& v) const { return identity_linear_ ? v : multiply(v, inverse_linear_); }
+
+Normal Transform::to_parent(const Normal& n) const {
+    return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), inverse_linear_));
+}
+Normal Transform::to_local(const Normal& n) const {
+    return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), linear_));
+}
+
+Point Transform::to_parent(const Point& p) const { return centre_.anchor + (to_parent(to_vector(p)) + centre_.offset); }
+Point Transform::to_local(const Point& p) const { return to_local(TwoPartPoint(p)); }
+
+Point Transform::to_local(const TwoPartPoint& p) const {
+    const TwoPartVector from_centre = p - centre_;
+    return to_point(to_local(from_centre.hi) + to_local(from_centre.lo));
+}
+
+TwoPartPoint Transform::to_parent_two_part(const Point& p) const {
+    return {centre_.anchor, to_parent(to_vector(p)) + centre_.offset};
+}
+
+Bounds Transform::to_parent(const Bounds& b) const {
+    if (b.is_empty()) return b;
+    // Each coordinate of the image is a sum of one term per axis: its range is the sum of the terms' ranges.
+    const std::array<double, 3> low{b.low.x, b.low.y, b.low.z}, high{b.high.x, b.high.y, b.high.z};
+    std::array<double, 3> out_low{}, out_high{};
+    const std::array<double, 3> centre{centre_.anchor.x, centre_.anchor.y, centre_.anchor.z};
+    for (int j = 0; j < 3; ++j) {
+        out_low[j] = out_high[j] = centre[j];
+        for (int i = 0; i < 3; ++i) {
+            const double m = linear_[i][j];
+            if (m == 0) continue;  // keeps 0 * infinity out
+            out_low[j] += m * (m > 0 ? low[i] : high[i]);
+            out_high[j] += m * (m > 0 ? high[i] : low[i]);
+        }
+    }
+    return {{out_low[0], out_low[1], out_low[2]}, {out_high[0], out_high[1], out_high[2]}};
+}
+
+bool Transform::mirrors() const {
+    const auto& m = linear_;
+    return dot(cross({m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}), Vector{m[2][0], m[2][1], m[2][2]}) < 0;
+}
+
+}  // namespace lapidary

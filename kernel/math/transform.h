@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+//
+// Affine maps in the row-vector convention of the scene language: p' = p M + c, so that factors apply
+// in the order written.
+//
+// Every factor knows its inverse in closed form, and chains are composed in two-part arithmetic and
+// rounded once, at the end (numerics: inverses by elimination lose ten digits where these lose none).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/export.h"
+#include "kernel/math/bounds.h"
+#include "kernel/math/two_part.h"
+#include "kernel/math/vector.h"
+
+namespace lapidary {
+
+// One operation of a `transform` block, as written: kept so that a scene can be printed again.
+struct TransformFactor {
+    enum class Kind { translate, scale, rotx, roty, rotz, rotate, shear, matrix };
+    Kind kind = Kind::translate;
+    std::array<double, 12> values{};  // in the order of the language; angles in radians
+    bool inverted = false;            // stands inside an odd number of `inverse { }`
+};
+
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+using TwoPartMatrix3 = std::array<std::array<TwoPart, 3>, 3>;
+
+// A composition under way: matrix, inverse and translation in two parts.
+class LAPIDARY_API ExactTransform {
+public:
+    ExactTransform();  // identity
+    // The map of one factor; nothing where it is singular (a zero scale, a rank-deficient or non-finite matrix).
+    static std::optional<ExactTransform> of(const TransformFactor& factor);
+    static std::optional<ExactTransform> of(const std::vector<TransformFactor>& factors);
+
+    // First this, then next.
+    ExactTransform then(const ExactTransform& next) const;
+    ExactTransform inverse() const;
+
+    const TwoPartMatrix3& linear() const { return linear_; }
+    const TwoPartMatrix3& inverse_linear() const { return inverse_linear_; }
+    const std::array<TwoPart, 3>& translation() const { return translation_; }
+    bool has_identity_linear() const { return identity_linear_; }
+
+private:
+    TwoPartMatrix3 linear_, inverse_linear_;
+    std::array<TwoPart, 3> translation_;
+    bool identity_linear_ = true;
+};
+
+// The rounded map between a local space and its parent's (for a flattened leaf: the world).
+class LAPIDARY_API Transform {
+public:
+    Transform() = default;  // identity
+    explicit Transform(const ExactTransform& exact);
+
+    Point to_parent(const Point& p) const;
+    Vector to_parent(const Vector& v) const;
+    Normal to_parent(const Normal& n) const;  // by the inverse transpose; not normalised
+    Bounds to_parent(const Bounds& b) const;
+    Point to_local(const Point& p) const;
+    Vector to_local(const Vector& v) const;
+    Normal to_local(const Normal& n) const;
+
+    // A^-1 (p - centre), the difference taken in two parts: keeps its digits far from the world's origin.
+    Point to_local(const TwoPartPoint& p) const;
+    // The parent's point as anchor (this space's centre) and offset.
+    TwoPartPoint to_parent_two_part(const Point& p) const;
+
+    const TwoPartPoint& centre() const { return centre_; }
+    const Matrix3& linear() const { return linear_; }
+    const Matrix3& inverse_linear() const { return inverse_linear_; }
+    bool has_identity_linear() const { return identity_linear_; }
+    bool mirrors() const;  // the map turns left hands into right ones
+
+private:
+    TwoPartPoint centre_;
+    Matrix3 linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Matrix3 inverse_linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    bool identity_linear_ = true;
+};
+
+}  // namespace lapidary

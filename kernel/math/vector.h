@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+//
+// The three kinds of triple that geometry needs, kept apart by the type system:
+// a Point is a place, a Vector is a way from one place to another, a Normal is a
+// direction that stands on a surface and transforms with the inverse transpose.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace lapidary {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct Vector {
+    double x = 0, y = 0, z = 0;
+};
+
+struct Point {
+    double x = 0, y = 0, z = 0;
+};
+
+struct Normal {
+    double x = 0, y = 0, z = 0;
+
+    Normal() = default;
+    Normal(double nx, double ny, double nz) : x(nx), y(ny), z(nz) {}
+    // A normal has no length of its own: any vector that stands on the surface will do.
+    explicit Normal(const Vector& v) : x(v.x), y(v.y), z(v.z) {}
+    // The outward direction at a point of a surface whose level sets are centred on the origin.
+    explicit Normal(const Point& p) : x(p.x), y(p.y), z(p.z) {}
+};
+
+inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vector operator-(const Vector& v) { return {-v.x, -v.y, -v.z}; }
+inline Vector operator*(double s, const Vector& v) { return {s * v.x, s * v.y, s * v.z}; }
+inline Vector operator*(const Vector& v, double s) { return s * v; }
+inline Vector operator/(const Vector& v, double s) { return {v.x / s, v.y / s, v.z / s}; }
+inline bool operator==(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+inline Point operator+(const Point& p, const Vector& v) { return {p.x + v.x, p.y + v.y, p.z + v.z}; }
+inline Point operator-(const Point& p, const Vector& v) { return {p.x - v.x, p.y - v.y, p.z - v.z}; }
+inline Vector operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline bool operator==(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+inline Normal operator-(const Normal& n) { return {-n.x, -n.y, -n.z}; }
+inline bool operator==(const Normal& a, const Normal& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+inline Vector to_vector(const Point& p) { return {p.x, p.y, p.z}; }
+inline Vector to_vector(const Normal& n) { return {n.x, n.y, n.z}; }
+inline Point to_point(const Vector& v) { return {v.x, v.y, v.z}; }
+
+inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot(const Normal& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot(const Vector& a, const Normal& b) { return dot(b, a); }
+inline double dot(const Normal& a, const Normal& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot(const Point& p, const Vector& v) { return p.x * v.x + p.y * v.y + p.z * v.z; }
+
+// ab - cd to 1.5 ulp (Kahan): the fma recovers what the rounding of cd took away.
+inline double difference_of_products(double a, double b, double c, double d) {
+    const double cd = c * d;
+    const double lost = std::fma(-c, d, cd);
+    return std::fma(a, b, -cd) + lost;
+}
+
+inline Vector cross(const Vector& a, const Vector& b) {
+    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+            difference_of_products(a.x, b.y, a.y, b.x)};
+}
+
+inline double length_squared(const Vector& v) { return dot(v, v); }
+inline double length(const Vector& v) { return std::sqrt(dot(v, v)); }
+// The distance of a point from the origin of its space.
+inline double length(const Point& p) { return std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z); }
+
+// The unit vector along v. Scaled by a power of two first, so that neither 1e-300 nor 1e300 is lost;
+// the zero vector stays zero.
+inline Vector normalize(const Vector& v) {
+    const double largest = std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+    if (!(largest > 0) || !(largest < infinity)) return {0, 0, 0};
+    if (largest > 1e-140 && largest < 1e140) return v / length(v);
+    int exponent = 0;
+    (void)std::frexp(largest, &exponent);
+    const Vector scaled{std::ldexp(v.x, -exponent), std::ldexp(v.y, -exponent), std::ldexp(v.z, -exponent)};
+    return scaled / length(scaled);
+}
+
+inline Normal normalize(const Normal& n) { return Normal(normalize(to_vector(n))); }
+
+}  // namespace lapidary

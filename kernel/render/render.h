@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+//
+// World + Camera -> Frame: samples, tiles over threads, progress, cancellation.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <optional>
+
+#include "kernel/export.h"
+#include "kernel/interfaces/output.h"
+#include "kernel/render/frame.h"
+#include "kernel/render/tracer.h"
+#include "kernel/scene/scene.h"
+
+namespace lapidary {
+
+class World;
+
+struct RenderOptions {
+    int threads = 0;                     // 0: as many as the machine has
+    std::optional<PixelRegion> region;   // nothing: the whole picture
+    std::optional<int> samples;          // --samples: exactly this many a pixel
+    std::optional<double> error;         // --error: overrides the scene's
+    std::optional<std::chrono::duration<double>> time;  // --time: the best picture in that time
+    const std::atomic<bool>* cancel = nullptr;           // set from anywhere; noticed within 50 ms
+    // Called after each finished tile, one at a time.
+    std::function<void(const Frame& frame, const PixelRegion& tile)> on_tile;
+};
+
+struct RenderReport {
+    bool complete = false;             // false: cancelled
+    std::size_t pixels = 0, finished = 0;
+    std::size_t within_error = 0;      // pixels that met the bound
+    std::uint64_t samples = 0;
+    double seconds = 0;
+    TraceStatistics trace;
+};
+
+// Same bits for any number of threads, any region.
+LAPIDARY_API RenderReport render(const World& world, const Scene& scene, Frame& frame, const RenderOptions& options);
+
+}  // namespace lapidary

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+//
+// What a ray returns: the shading of section 9 of the scene language over the events that kernel/prepare finds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "kernel/export.h"
+#include "kernel/math/colour.h"
+#include "kernel/render/ray.h"
+
+namespace lapidary {
+
+class World;
+struct RenderSettings;
+
+// What a camera ray brings back, for all layers.
+struct RaySample {
+    Colour colour;
+    double depth = infinity;  // distance to the first face
+    Normal normal;            // unit shading normal toward the viewer; zero where nothing is met
+    Point position;
+    std::int32_t object = 0;    // from 1; 0: nothing
+    std::int32_t material = 0;  // from 1; 0: nothing
+};
+
+// What tracing cost and what it skipped; one per thread, added up at the end.
+struct TraceStatistics {
+    std::uint64_t camera_rays = 0, mirrored_rays = 0, refracted_rays = 0, shadow_rays = 0;
+    std::uint64_t shadow_rays_skipped = 0;     // lights that send nothing to the point
+    std::uint64_t object_tests = 0;            // calls of Object::spans (a batch counts its lanes)
+    std::uint64_t non_finite_samples = 0;      // dropped
+    std::uint64_t first_cell_disagreements = 0;
+    std::uint64_t march_steps = 0;             // boundaries met inside textured transparent matter
+
+    LAPIDARY_API TraceStatistics& operator+=(const TraceStatistics& other);
+};
+
+// One per thread: it owns scratch memory. Results do not depend on which tracer traces a ray or on what it traced before.
+class LAPIDARY_API Tracer {
+public:
+    // `pixel_footprint`: the angle that a pixel subtends, for textures that fade what is smaller than a pixel.
+    Tracer(const World& world, const RenderSettings& settings, double pixel_footprint);
+    ~Tracer();
+    Tracer(const Tracer&) = delete;
+    Tracer& operator=(const Tracer&) = delete;
+
+    // Traces rays independently of one another; samples.size() == rays.size().
+    void trace(std::span<const Ray> rays, std::span<RaySample> samples);
+
+    const TraceStatistics& statistics() const;
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace lapidary

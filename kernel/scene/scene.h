@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+//
+// What the user described, looked up in the registry and checked: objects in CSG trees, materials, lights, camera,
+// outputs. Immutable; nodes that the user named and used several times are shared.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/interfaces/light.h"
+#include "kernel/interfaces/material.h"
+#include "kernel/interfaces/object.h"
+#include "kernel/interfaces/output.h"
+#include "kernel/math/transform.h"
+#include "kernel/report/place.h"
+#include "kernel/scene/camera.h"
+
+namespace lapidary {
+
+class Plugin;  // kernel/registry/registry.h
+
+// A material as placed in the scene. Its space is the space of the node that carries it.
+struct SceneMaterial {
+    MaterialPtr material;
+    const Plugin* plugin = nullptr;  // of the outermost texture; null for the kernel's own plain matter
+    std::string name;                // empty: none
+    Place place;
+};
+
+enum class Operation : std::uint8_t { leaf, union_, merge, subtraction, intersection, symdiff };
+
+struct SceneNode;
+using SceneNodePtr = std::shared_ptr<const SceneNode>;
+
+// A leaf of a CSG tree, or an operation on operands in the order of writing.
+struct SceneNode {
+    Operation operation = Operation::leaf;
+    std::vector<SceneNodePtr> operands;  // none for a leaf
+
+    std::shared_ptr<const Object> object;  // leaves only
+    const Plugin* plugin = nullptr;
+
+    std::vector<TransformFactor> factors;  // as written, for printing
+    ExactTransform transform;              // their composition, from this node's space to its parent's
+    std::shared_ptr<const SceneMaterial> material;  // null: none of its own
+    std::optional<double> priority;
+    std::string name;
+    Place place;
+};
+
+struct SceneLight {
+    std::shared_ptr<const Light> light;  // already placed in the world
+    const Plugin* plugin = nullptr;
+    std::string name;
+    Place place;
+};
+
+struct SceneOutput {
+    std::shared_ptr<Output> output;
+    const Plugin* plugin = nullptr;
+    Place place;
+};
+
+struct OutputSettings {
+    int width = 640, height = 480;
+    std::string name;  // empty: the scene's
+    std::vector<SceneOutput> writers;
+};
+
+struct RenderSettings {
+    int depth = 16;              // reflections and refractions a path may have
+    double cutoff = 1.0 / 1024;  // weight in the pixel below which a path ends
+    double error = 0.004;        // estimated error of a pixel at which adaptive sampling stops
+};
+
+struct Scene {
+    std::shared_ptr<const Sources> sources;  // what the places point into
+    SceneNodePtr root;                       // a union of everything in the rendered `objects` block
+    std::vector<SceneLight> lights;
+    Colour background;
+    Camera camera;
+    OutputSettings output;
+    RenderSettings render;
+    std::string title;  // the scene file's stem
+};
+
+}  // namespace lapidary
