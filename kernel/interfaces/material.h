@@ -3,6 +3,7 @@
 // The interface of matter: what any point of space would be made of.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "kernel/export.h"
@@ -30,6 +31,21 @@ struct Matter {
     bool is_transparent() const { return refraction > 0; }
 };
 
+// A straight line through matter, in the material's own space: origin + t direction. The direction has any length.
+struct MaterialLine {
+    Point origin;
+    Vector direction;
+
+    Point at(double t) const { return origin + t * direction; }
+};
+
+// Where along a line matter changes abruptly, and the direction that stands on the boundary there (of any length and
+// either sign).
+struct Crossing {
+    double t = infinity;  // infinity: nowhere
+    Normal normal;
+};
+
 class LAPIDARY_API Material {
 public:
     Material() = default;
@@ -39,10 +55,21 @@ public:
 
     virtual Matter evaluate(const Site& site) const = 0;
 
+    // The first boundary with from < t < to between regions of different matter; boundaries of children count where the
+    // child is in effect. A texture without abrupt changes has none: the default.
+    virtual Crossing next_boundary(const MaterialLine& line, double from, double to) const;
+    // Names the region that a point lies in: equal numbers on both sides of a point of a line mean that there is no
+    // boundary between. For textures that look at their child through a warp.
+    virtual std::uint64_t region(const Point& point) const;
+    // A distance within which there is surely no boundary; may be smaller than the true one. The default: infinity.
+    virtual double clearance(const Point& point) const;
+
     // Constant in space, relief included: lets the kernel skip the march and sample once.
     virtual bool is_uniform() const { return false; }
-    // Whether any point of it may be transparent, mirror, or carry relief: what no material of a scene does is
-    // compiled out of the inner loop.
+    // Whether matter changes abruptly anywhere: lets the kernel skip the march.
+    virtual bool has_boundaries() const { return false; }
+    // Whether any point of it may be transparent, mirror, or carry relief: what no material of a scene does is left
+    // out of the inner loop.
     virtual bool may_be_transparent() const = 0;
     virtual bool may_reflect() const = 0;
     virtual bool may_have_relief() const = 0;
