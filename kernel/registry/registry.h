@@ -55,9 +55,9 @@ struct PluginListing {
     std::string keyword;
     std::filesystem::path file;
     bool usable = false;
-    bool hidden = false;   // another file of this kind and stem comes first on the path
-    std::string reason;    // why it was refused
-    std::string summary;   // of its schema
+    bool hidden = false;  // another file of this kind and stem comes first on the path
+    std::string reason;   // why it was refused
+    std::string summary;  // of its schema
 };
 
 class LAPIDARY_API Registry {

@@ -44,9 +44,7 @@ struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
     bool low_open = false, high_open = false;  // the bound itself is outside
-    bool contains(double v) const {
-        return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high);
-    }
+    bool contains(double v) const { return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high); }
     // The nearest number inside.
     LAPIDARY_API double clamp(double v) const;
     // "above 0", "at least 0", "0 to 1", or nothing.
@@ -62,6 +60,7 @@ struct PropertySchema {
     Unit unit = Unit::none;
     Range range;
     std::vector<std::string> words;  // of an enumeration
+    std::string arguments;           // what to call the values, "R, r"; empty: by shape and name
     std::string help;
 
     // Checks have been done: the values fit shape, number and range.
@@ -164,7 +163,9 @@ template <>
 struct MemberTraits<Colour> : TripleTraits<Colour, Shape::colour> {};
 
 template <class T>
-concept Placeable = requires(T& t, const Transform& m) { MemberTraits<T>::place(t, m); };
+concept Placeable = requires(T& t, const Transform& m) {
+    MemberTraits<T>::place(t, m);
+};
 
 template <class T>
 class Schema : public SchemaBase {
@@ -184,13 +185,29 @@ public:
     class Added {
     public:
         Added(Schema& schema, std::size_t index) : schema_(schema), index_(index) {}
-        Added& unit(Unit u) { return edit([&](auto& p) { p.unit = u; }); }
-        Added& above(double low) { return edit([&](auto& p) { p.range.low = low, p.range.low_open = true; }); }
-        Added& at_least(double low) { return edit([&](auto& p) { p.range.low = low, p.range.low_open = false; }); }
-        Added& below(double high) { return edit([&](auto& p) { p.range.high = high, p.range.high_open = true; }); }
-        Added& at_most(double high) { return edit([&](auto& p) { p.range.high = high, p.range.high_open = false; }); }
+        Added& unit(Unit u) {
+            return edit([&](auto& p) { p.unit = u; });
+        }
+        Added& above(double low) {
+            return edit([&](auto& p) { p.range.low = low, p.range.low_open = true; });
+        }
+        Added& at_least(double low) {
+            return edit([&](auto& p) { p.range.low = low, p.range.low_open = false; });
+        }
+        Added& below(double high) {
+            return edit([&](auto& p) { p.range.high = high, p.range.high_open = true; });
+        }
+        Added& at_most(double high) {
+            return edit([&](auto& p) { p.range.high = high, p.range.high_open = false; });
+        }
         Added& between(double low, double high) { return at_least(low).at_most(high); }
-        Added& help(std::string sentence) { return edit([&](auto& p) { p.help = std::move(sentence); }); }
+        // What help and messages call the values: "R, r".
+        Added& arguments(std::string names) {
+            return edit([&](auto& p) { p.arguments = std::move(names); });
+        }
+        Added& help(std::string sentence) {
+            return edit([&](auto& p) { p.help = std::move(sentence); });
+        }
 
     private:
         template <class F>
@@ -204,8 +221,8 @@ public:
 
     // One property that fills one member, or several members of one type one after the other.
     template <class Owner, class M, class... More>
-        requires std::is_base_of_v<Owner, T> && (std::is_same_v<M, More> && ...)
-    Added add(std::string name, M Owner::*first, More Owner::*... more) {
+    requires std::is_base_of_v<Owner, T> &&(std::is_same_v<M, More>&&...)Added
+        add(std::string name, M Owner::*first, More Owner::*... more) {
         using Traits = MemberTraits<M>;
         const std::array<M Owner::*, 1 + sizeof...(More)> members{first, more...};
         PropertySchema p;
@@ -233,8 +250,7 @@ public:
 
     // A property without default: absent means something of its own.
     template <class Owner, class M>
-        requires std::is_base_of_v<Owner, T>
-    Added add(std::string name, std::optional<M> Owner::*member) {
+    requires std::is_base_of_v<Owner, T> Added add(std::string name, std::optional<M> Owner::*member) {
         using Traits = MemberTraits<M>;
         PropertySchema p;
         p.name = std::move(name);
@@ -255,8 +271,7 @@ public:
     // A property that may be written several times (Shape::number, colour …: one element a line), or that takes any
     // number of words in one pair of parentheses (std::string: `aov(depth, normal);`).
     template <class Owner, class M>
-        requires std::is_base_of_v<Owner, T>
-    Added add(std::string name, std::vector<M> Owner::*member) {
+    requires std::is_base_of_v<Owner, T> Added add(std::string name, std::vector<M> Owner::*member) {
         using Traits = MemberTraits<M>;
         PropertySchema p;
         p.name = std::move(name);
@@ -296,8 +311,8 @@ public:
 
     // An enumeration: the words stand for the values 0, 1, 2 … of the member's enum (or bool) type.
     template <class Owner, class E>
-        requires std::is_base_of_v<Owner, T> && (std::is_enum_v<E> || std::is_same_v<E, bool>)
-    Added add(std::string name, E Owner::*member, std::vector<std::string> words) {
+    requires std::is_base_of_v<Owner, T> &&(std::is_enum_v<E> || std::is_same_v<E, bool>)Added
+        add(std::string name, E Owner::*member, std::vector<std::string> words) {
         PropertySchema p;
         p.name = std::move(name);
         p.shape = Shape::word;
@@ -327,8 +342,7 @@ public:
 
     // A child slot; `Child` is assignable from a MaterialPtr and gives one back by .material().
     template <class Owner, class Child>
-        requires std::is_base_of_v<Owner, T>
-    AddedChild child(std::string name, Child Owner::*member) {
+    requires std::is_base_of_v<Owner, T> AddedChild child(std::string name, Child Owner::*member) {
         ChildSchema c;
         c.name = std::move(name);
         c.assign = [member](void* object, MaterialPtr child) { owner<Owner>(object).*member = std::move(child); };
@@ -339,8 +353,7 @@ public:
 
     // Any number of children, after the single slots.
     template <class Owner, class Child>
-        requires std::is_base_of_v<Owner, T>
-    AddedChild children(std::string name, std::vector<Child> Owner::*member) {
+    requires std::is_base_of_v<Owner, T> AddedChild children(std::string name, std::vector<Child> Owner::*member) {
         ChildSchema c;
         c.name = std::move(name);
         c.repeats = true;
