@@ -13,8 +13,8 @@ namespace lapidary {
 
 struct SourceFile;
 
-// Line and column count from 1; 0 means "the file as a whole". A place without a file belongs to the command line
-// or to the program itself.
+// Line and column count from 1, columns in bytes; 0 means "the file as a whole". A place without a file belongs to the command
+// line or to the program itself.
 struct Place {
     const SourceFile* file = nullptr;
     std::uint32_t line = 0;
@@ -22,7 +22,7 @@ struct Place {
 };
 
 struct SourceFile {
-    std::string name;   // as the user would write it
+    std::string name;  // as the user would write it
     std::string text;
     Place included_at;  // where the include stands; no file for the first one
 };
