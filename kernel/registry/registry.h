@@ -4,6 +4,7 @@
 // a library is opened when its keyword is first asked for, and stays open until exit.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -66,11 +67,12 @@ public:
     explicit Registry(std::vector<std::filesystem::path> search_path);
     ~Registry();
 
-    const std::vector<std::filesystem::path>& search_path() const { return search_path_; }
-    // Puts a folder behind those of --plugin-path and before the rest (`plugins "dir";` in a scene).
+    std::vector<std::filesystem::path> search_path() const;
+    // Puts a folder behind those of --plugin-path and before the rest (`plugins "dir";` in a scene). What was opened
+    // before stays what it is.
     void insert_scene_folder(const std::filesystem::path& folder);
     // How many folders at the front of the path come from the command line.
-    void set_command_line_folders(std::size_t count) { command_line_folders_ = count; }
+    void set_command_line_folders(std::size_t count);
 
     // Opens the plugin at first use. Null where there is none; `reason` then says why a file that is there was refused
     // (with its path), and stays empty where no file has this stem. Thread-safe.
@@ -79,12 +81,15 @@ public:
     // The stems of all files of a kind, sorted, without opening any.
     std::vector<std::string> keywords(PluginKind kind) const;
     // Every file of every folder, opened and checked.
-    std::vector<PluginListing> list();
+    std::vector<PluginListing> list() const;
     // The plugins opened so far.
     std::vector<const Plugin*> opened() const;
 
 private:
     struct Slot;
+    // The file that a keyword stands for, remembered; null where there is none.
+    Slot* slot(PluginKind kind, std::string_view keyword);
+
     mutable std::mutex mutex_;
     std::vector<std::filesystem::path> search_path_;
     std::size_t command_line_folders_ = 0, scene_folders_ = 0;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/registry/library.h"
+
+#define BOOST_DLL_USE_STD_FS
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <boost/dll/shared_library.hpp>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernel/registry/search_path.h"
+
+namespace lapidary {
+
+namespace {
+
+using boost::dll::shared_library;
+namespace load_mode = boost::dll::load_mode;
+
+// The loader's own words for what went wrong, without the path that they begin with.
+std::string loader_reason(const std::filesystem::path& library) {
+    const char* const words = dlerror();
+    std::string reason = words ? words : "the dynamic loader gave no reason";
+    const std::string path = library.string() + ": ";
+    if (reason.starts_with(path)) reason.erase(0, path.size());
+    return "the dynamic loader cannot open it: " + reason;
+}
+
+// Never closed, not even at exit, when objects made by a plugin may still be about to be destroyed.
+void keep_open(shared_library&& library) {
+    static std::mutex mutex;
+    static auto& libraries = *new std::vector<shared_library>;
+    const std::lock_guard lock(mutex);
+    libraries.push_back(std::move(library));
+}
+
+}  // namespace
+
+void* open_symbol(const std::filesystem::path& library, const char* symbol) {
+    const std::filesystem::path file = std::filesystem::absolute(library);
+    shared_library opened;
+    boost::dll::fs::error_code error;
+    opened.load(file, error, load_mode::rtld_now | load_mode::rtld_local);
+    if (error) throw std::runtime_error(loader_reason(file));
+    if (!opened.has(symbol)) throw std::runtime_error(fmt::format("it exports no '{}'", symbol));
+    void* const address = &opened.get<char>(symbol);
+    keep_open(std::move(opened));
+    return address;
+}
+
+void* open_module(const char* name, const char* symbol) {
+    const std::filesystem::path file = kernel_folder() / "lapidary" / "modules" / fmt::format("{}.so", name);
+    try {
+        return open_symbol(file, symbol);
+    } catch (const std::runtime_error& reason) {
+        throw std::runtime_error(
+            fmt::format("the program's module '{}' cannot be used: {}; the installation is damaged, install it again",
+                        file.string(), reason.what()));
+    }
+}
+
+}  // namespace lapidary

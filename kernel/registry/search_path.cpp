@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/registry/search_path.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <system_error>
+
+namespace lapidary {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder of the running program; empty where the system does not tell.
+fs::path program_folder() {
+    std::error_code error;
+    return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+// Both lead to the same folder in an installation. The program's comes first: it may run with another kernel.
+std::vector<fs::path> installed_plugin_folders() {
+    std::vector<fs::path> folders;
+    if (const fs::path program = program_folder(); !program.empty())
+        folders.push_back(program.parent_path() / "lib" / "lapidary" / "plugins");
+    if (const fs::path kernel = kernel_folder(); !kernel.empty()) folders.push_back(kernel / "lapidary" / "plugins");
+    return folders;
+}
+
+fs::path absolute_folder(const fs::path& folder) {
+    std::error_code error;
+    const fs::path absolute = fs::weakly_canonical(folder, error);
+    return error ? fs::absolute(folder, error).lexically_normal() : absolute;
+}
+
+}  // namespace
+
+std::vector<fs::path> split_path_list(std::string_view list) {
+    std::vector<fs::path> folders;
+    while (!list.empty()) {
+        const std::string_view part = list.substr(0, list.find(':'));
+        if (!part.empty()) folders.emplace_back(part);
+        list.remove_prefix(std::min(part.size() + 1, list.size()));
+    }
+    return folders;
+}
+
+fs::path kernel_folder() {
+    Dl_info library;
+    if (dladdr(reinterpret_cast<const void*>(&kernel_folder), &library) == 0 || !library.dli_fname) return {};
+    return absolute_folder(library.dli_fname).parent_path();
+}
+
+std::vector<fs::path> plugin_search_path(const SearchPathSources& sources) {
+    std::vector<fs::path> path;
+    const auto append = [&path](const std::vector<fs::path>& folders) {
+        for (const fs::path& folder : folders) {
+            fs::path absolute = absolute_folder(folder);
+            if (std::ranges::find(path, absolute) == path.end()) path.push_back(std::move(absolute));
+        }
+    };
+    append(sources.command_line);
+    if (const char* list = std::getenv("LAPIDARY_PLUGIN_PATH")) append(split_path_list(list));
+    append(sources.user_configuration);
+    append(sources.project_configuration);
+    append(installed_plugin_folders());
+    return path;
+}
+
+}  // namespace lapidary

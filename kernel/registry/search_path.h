@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// Where plugins are looked for, first match wins:
+//
+//     1. the folders of --plugin-path, in the order given
+//     2. `plugins "folder";` in the scene (the registry inserts these)
+//     3. LAPIDARY_PLUGIN_PATH, separated by colons
+//     4. `plugin_path:` of the user's configuration, then of the project's
+//     5. the installed folder beside the program, and the one beside the kernel's library
+//
+// The dynamic loader's own LD_LIBRARY_PATH plays no part.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "kernel/export.h"
+
+namespace lapidary {
+
+struct SearchPathSources {
+    std::vector<std::filesystem::path> command_line;
+    std::vector<std::filesystem::path> user_configuration;
+    std::vector<std::filesystem::path> project_configuration;
+};
+
+// All of the above but the scene's; absolute, without repetitions. Folders that do not exist stay in it.
+LAPIDARY_API std::vector<std::filesystem::path> plugin_search_path(const SearchPathSources& sources);
+
+// "a:b/c" -> a, b/c; empty parts are left out.
+LAPIDARY_API std::vector<std::filesystem::path> split_path_list(std::string_view list);
+
+// The folder of the kernel's own shared library.
+LAPIDARY_API std::filesystem::path kernel_folder();
+
+}  // namespace lapidary
