@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+//
+// Where a straight line runs inside the standard surfaces. Object plugins and the kernel, which meets a surface shared
+// by several solids once for all of them, ask the same questions; the mathematics stands here once.
+//
+// Every line comes as LocalLine: closest + t direction, about its point closest to the surface's centre. From there the
+// textbook formulas keep their digits at any distance of the eye; what is left to avoid is
+//
+//   - differences of squares: r^2 - m^2 is taken as (r - m)(r + m), and the components of c = o x d, whose length is
+//     the distance from the centre times |d|, as differences of products with one fma each (1.5 ulp, Kahan);
+//   - squares that overflow or vanish: sizes and directions are first multiplied by powers of two that bring them near 1,
+//     which rounds nothing.
+//
+// There is no tolerance anywhere. A line that only touches a surface has no length inside it: no span. A direction may
+// have zeros; a line that never leaves a face, edge or generator counts as outside.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "kernel/export.h"
+#include "kernel/interfaces/object.h"
+#include "kernel/math/vector.h"
+
+namespace lapidary {
+
+// The power of two that brings |x| into [1/2, 1), by arithmetic on the exponent's bits alone, so that loops over it
+// vectorise. Of zero and of numbers below 2^-1022: a large one that still brings their squares out of reach of zero.
+inline double normalizing_power_of_two(double x) {
+    constexpr std::uint64_t exponent_mask = 0x7ff0'0000'0000'0000, bias_twice_less_one = 0x7fd0'0000'0000'0000;
+    const double bounded = std::fabs(x) < 0x1p1021 ? std::fabs(x) : 0x1p1021;
+    return std::bit_cast<double>(bias_twice_less_one - (std::bit_cast<std::uint64_t>(bounded) & exponent_mask));
+}
+
+// The larger of two magnitudes.
+inline double larger_magnitude(double a, double b) { return std::fabs(a) > std::fabs(b) ? std::fabs(a) : std::fabs(b); }
+
+// The ball |p| <= r. The line is given about m, its point closest to the centre, so m.d = 0, and |m + t d| = r at
+//
+//     t = -h and t = h,   h = sqrt((r - |m|)(r + |m|) / d.d).
+inline Span ball_span(const LocalLine& line, double radius) {
+    const double shrink = normalizing_power_of_two(radius);
+    const Vector m = shrink * to_vector(line.closest);
+    const double r = shrink * radius;
+    const double distance = std::sqrt(dot(m, m));
+    if (!(distance < r)) return Span::none();
+
+    const Vector& v = line.direction;
+    const double slow = normalizing_power_of_two(larger_magnitude(v.x, larger_magnitude(v.y, v.z)));
+    const Vector d = slow * v;
+    const double h = std::sqrt((r - distance) * (r + distance) / dot(d, d)) * (slow * (1 / shrink));
+    return {-h, h};
+}
+
+// The infinite cylinder x^2 + z^2 <= r^2. In the plane across the axis the line is o + t d, o = (x, z), at the distance
+// |o x d| / |d| from the axis, to which it is closest at t = s:
+//
+//     t = s - h and t = s + h,   s = -o.d / d.d,   h = sqrt((r - |o x d|/|d|)(r + |o x d|/|d|) / d.d).
+//
+// Both products of two terms are differences of products, so the chord keeps its digits for lines nearly parallel to
+// the axis. A parallel line is a point of that plane: it lies inside altogether, or not at all.
+inline Span tube_span(const LocalLine& line, double radius) {
+    const double shrink = normalizing_power_of_two(radius);
+    const double slow = normalizing_power_of_two(larger_magnitude(line.direction.x, line.direction.z));
+    const double ox = shrink * line.closest.x, oz = shrink * line.closest.z, r = shrink * radius;
+    const double dx = slow * line.direction.x, dz = slow * line.direction.z;
+
+    const double dd = dx * dx + dz * dz;
+    const bool parallel = !(dd > 0);
+    const double speed = std::sqrt(dd);
+    const double moment = std::fabs(difference_of_products(ox, dz, oz, dx));
+    const double distance = parallel ? std::sqrt(ox * ox + oz * oz) : moment / speed;
+    if (!(distance < r)) return Span::none();
+    if (parallel) return Span::all();
+
+    const double unit = slow * (1 / shrink);
+    const double s = -difference_of_products(ox, dx, -oz, dz) / dd;
+    const double h = std::sqrt((r - distance) * (r + distance)) / speed;
+    return {(s - h) * unit, (s + h) * unit};
+}
+
+// The part of an axis between two values, low < o + t d < high: the rule of the slab. A line at rest on that axis lies
+// inside altogether, or not at all.
+inline Span slab_span(double origin, double direction, double low, double high) {
+    if (direction == 0) return low < origin && origin < high ? Span::all() : Span::none();
+    const double a = (low - origin) / direction, b = (high - origin) / direction;
+    return a < b ? Span{a, b} : Span{b, a};
+}
+
+// The half-space a x + b y + c z <= d. With n = (a, b, c) the line reaches the plane at t = (d - n.closest) / n.direction
+// and is inside before it where it moves along n. A parallel line lies inside altogether or not at all.
+inline Span half_space_span(const LocalLine& line, double a, double b, double c, double d) {
+    const Vector n{a, b, c};
+    const double gap = d - dot(line.closest, n), speed = dot(n, line.direction);
+    if (speed > 0) return {-infinity, gap / speed};
+    if (speed < 0) return {gap / speed, infinity};
+    return gap > 0 ? Span::all() : Span::none();
+}
+
+// The double cone x^2 + z^2 <= (slope (apex - y))^2, both nappes. Writes none, one or two spans, sorted, whose outer ends
+// may be infinite, and returns how many.
+LAPIDARY_API int double_cone_spans(const LocalLine& line, double slope, double apex, Span out[2]);
+
+// The torus (sqrt(x^2 + z^2) - major)^2 + y^2 <= minor^2. Writes none, one or two spans, sorted, and returns how many.
+// Where minor > major the ring covers itself: the set is what lies within the outer skin.
+LAPIDARY_API int torus_spans(const LocalLine& line, double major, double minor, Span out[2]);
+
+}  // namespace lapidary
