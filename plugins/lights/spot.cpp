@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+//
+// spot: light from one place into a cone with a soft edge.
+//
+// It is a point light times s^2 (3 - 2 s), where s runs from 0 at the angle b from the axis to 1 at the angle a:
+//
+//     s = (cos t - cos b) / (cos a - cos b)
+//
+// for the angle t between the axis and the way to the point. Close to the axis cosines say nothing (cos 1e-8 = 1), so
+// the difference of two of them is taken from the sines of half the angles, which keep every digit:
+//
+//     cos t - cos b = 2 (sin^2(b/2) - sin^2(t/2)),   sin(t/2) = |v - d|/2 for unit vectors v and d.
+
+#include <lapidary/light_geometry.h>
+#include <lapidary/plugin.h>
+
+namespace lapidary {
+
+class Spot final : public Light {
+public:
+    static void describe(Schema<Spot>& schema) {
+        schema.summary("Light from one place into a cone with a soft edge.");
+        schema.add("colour", &Spot::colour_).help("Colour of the light.");
+        schema.add("intensity", &Spot::intensity_).at_least(0).help("Factor to the colour, at a distance of 1.");
+        schema.add("location", &Spot::location_).unit(Unit::length).help("Where the light is.");
+        schema.add("direction", &Spot::direction_).help("Where the light's axis points; of any length.");
+        schema.add("angles", &Spot::inner_, &Spot::outer_)
+            .unit(Unit::angle)
+            .between(0, std::numbers::pi)
+            .help("From the axis to where the full light ends, and to where all of it ends.");
+        schema.add("radius", &Spot::radius_)
+            .unit(Unit::length)
+            .at_least(0)
+            .help("Makes the light a ball of this size; above 0, shadows are soft.");
+        schema.require("the first angle must not be larger than the second", [](const Spot& s) { return s.inner_ <= s.outer_; });
+    }
+
+    Illumination toward(const Point& point, const LightSample& sample) const override {
+        const double part = part_within(normalize(point - location_));
+        if (!(part > 0)) return {};
+        return ball_light(location_ - point, radius_, part * colour_, intensity_, sample);
+    }
+
+    bool has_extent() const override { return radius_ > 0; }
+
+private:
+    double part_within(const Vector& way) const {
+        const double off_axis = length(way - normalize(direction_)) / 2;
+        const double inner = std::sin(inner_ / 2), outer = std::sin(outer_ / 2);
+        if (off_axis <= inner) return 1;
+        if (off_axis >= outer) return 0;
+        const double s = (outer - off_axis) * (outer + off_axis) / ((outer - inner) * (outer + inner));
+        return s * s * (3 - 2 * s);
+    }
+
+    Colour colour_ = Colour::white();
+    double intensity_ = 1;
+    Point location_;
+    Vector direction_{0, 0, 1};
+    double inner_ = std::numbers::pi / 9, outer_ = std::numbers::pi / 6;
+    double radius_ = 0;
+};
+
+LAPIDARY_PLUGIN(Spot)
+
+}  // namespace lapidary
