@@ -54,6 +54,7 @@ struct Range {
 struct PropertySchema {
     std::string name;
     Shape shape = Shape::number;
+    std::vector<Shape> shapes;              // of each value, where they differ (`relief("noise", 4)`); else empty
     int least_values = 1, most_values = 1;  // how many values the parentheses hold
     bool optional = false;                  // has no default: absent means something of its own
     bool repeats = false;                   // may be written several times, each time adding to the list
@@ -69,6 +70,9 @@ struct PropertySchema {
     std::function<std::vector<std::vector<Value>>(const void* object)> read;
     // Takes points, vectors and normals from the block's space into the world (lights); empty for other types.
     std::function<void(void* object, const Transform& to_world)> place;
+
+    // What the value at an index has to be.
+    Shape shape_at(std::size_t index) const { return index < shapes.size() ? shapes[index] : shape; }
 
     // "(r)", "(x, y, z)", "(R, r)": what the parentheses take, for messages and help.
     LAPIDARY_API std::string signature() const;
@@ -255,6 +259,7 @@ public:
         PropertySchema p;
         p.name = std::move(name);
         p.shape = Traits::shape;
+        if constexpr (requires { Traits::shapes; }) p.shapes.assign(std::begin(Traits::shapes), std::end(Traits::shapes));
         p.least_values = p.most_values = Traits::count;
         p.optional = true;
         p.assign = [member](void* object, const std::vector<Value>& values) {
@@ -333,6 +338,10 @@ public:
         explicit AddedChild(ChildSchema& child) : child_(child) {}
         AddedChild& help(std::string sentence) {
             child_.help = std::move(sentence);
+            return *this;
+        }
+        AddedChild& optional() {
+            child_.optional = true;
             return *this;
         }
 
