@@ -28,17 +28,14 @@
 #include "kernel/registry/plugin.h"
 #include "kernel/registry/schema.h"
 
-// What the SDK adds to the interfaces: one scalar function becomes all of an object's; the properties common to all
-// leaves of texture trees; noise.
+// What the SDK adds to the interfaces: one scalar function becomes all of an object's; the children of texture
+// trees; the properties common to all leaves; noise.
 #if __has_include("lapidary/convex_object.h")
 #include "lapidary/convex_object.h"
 #endif
-#if __has_include("lapidary/leaf.h")
+#include "lapidary/child.h"
 #include "lapidary/leaf.h"
-#endif
-#if __has_include("lapidary/noise.h")
 #include "lapidary/noise.h"
-#endif
 
 namespace lapidary::sdk {
 
