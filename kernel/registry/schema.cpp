@@ -21,10 +21,12 @@ std::string angle_text(double radians) {
     return radians != 0 && round ? fmt::format("{}deg", rounded) : fmt::format("{}", radians);
 }
 
+std::string number_text(double number, Unit unit) { return unit == Unit::angle ? angle_text(number) : fmt::format("{}", number); }
+
 std::string value_text(const Value& value, Unit unit) {
     switch (value.kind) {
         case Value::Kind::number:
-            return unit == Unit::angle ? angle_text(value.number) : fmt::format("{}", value.number);
+            return number_text(value.number, unit);
         case Value::Kind::text:
             return '"' + value.text + '"';
         case Value::Kind::word:
@@ -76,14 +78,15 @@ double Range::clamp(double v) const {
     return std::isfinite(highest) ? highest : 0;
 }
 
-std::string Range::describe() const {
+std::string Range::describe(Unit unit) const {
     const bool has_low = low > -std::numeric_limits<double>::infinity();
     const bool has_high = high < std::numeric_limits<double>::infinity();
-    if (has_low && has_high && !low_open && !high_open) return fmt::format("{} to {}", low, high);
+    const std::string lowest = number_text(low, unit), highest = number_text(high, unit);
+    if (has_low && has_high && !low_open && !high_open) return lowest + " to " + highest;
     std::string text;
-    if (has_low) text = fmt::format("{} {}", low_open ? "above" : "at least", low);
+    if (has_low) text = (low_open ? "above " : "at least ") + lowest;
     if (has_low && has_high) text += " and ";
-    if (has_high) text += fmt::format("{} {}", high_open ? "below" : "at most", high);
+    if (has_high) text += (high_open ? "below " : "at most ") + highest;
     return text;
 }
 

@@ -13,6 +13,7 @@
 // itself a member.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -47,8 +48,8 @@ struct Range {
     bool contains(double v) const { return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high); }
     // The nearest number inside.
     LAPIDARY_API double clamp(double v) const;
-    // "above 0", "at least 0", "0 to 1", or nothing.
-    LAPIDARY_API std::string describe() const;
+    // "above 0", "at least 0", "0 to 1", "0deg to 180deg", or nothing.
+    LAPIDARY_API std::string describe(Unit unit = Unit::none) const;
 };
 
 struct PropertySchema {
@@ -131,7 +132,10 @@ template <>
 struct MemberTraits<int> {
     static constexpr Shape shape = Shape::integer;
     static constexpr int count = 1;
-    static int from(const Value* v) { return static_cast<int>(v[0].number); }
+    static int from(const Value* v) {
+        using Limits = std::numeric_limits<int>;
+        return static_cast<int>(std::clamp<double>(v[0].number, Limits::min(), Limits::max()));
+    }
     static void to(int m, std::vector<Value>& out) { out.push_back(number_value(m)); }
 };
 template <>
