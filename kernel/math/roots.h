@@ -53,10 +53,10 @@ inline Span ball_span(const LocalLine& line, double radius) {
     return {-h, h};
 }
 
-// The infinite cylinder x^2 + z^2 <= r^2. In the plane across the axis the line is o + t d, o = (x, z), at the distance
-// |o x d| / |d| from the axis, to which it is closest at t = s:
+// The infinite cylinder x^2 + z^2 <= r^2. In the plane across the axis the line is o + t d, o = (x, z), and passes the
+// axis at the distance |o x d| / |d|. It is inside where
 //
-//     t = s - h and t = s + h,   s = -o.d / d.d,   h = sqrt((r - |o x d|/|d|)(r + |o x d|/|d|) / d.d).
+//     t = (-o.d -+ sqrt((r |d| - |o x d|)(r |d| + |o x d|))) / d.d.
 //
 // Both products of two terms are differences of products, so the chord keeps its digits for lines nearly parallel to
 // the axis. A parallel line is a point of that plane: it lies inside altogether, or not at all.
@@ -67,24 +67,20 @@ inline Span tube_span(const LocalLine& line, double radius) {
     const double dx = slow * line.direction.x, dz = slow * line.direction.z;
 
     const double dd = dx * dx + dz * dz;
-    const bool parallel = !(dd > 0);
-    const double speed = std::sqrt(dd);
-    const double moment = std::fabs(difference_of_products(ox, dz, oz, dx));
-    const double distance = parallel ? std::sqrt(ox * ox + oz * oz) : moment / speed;
-    if (!(distance < r)) return Span::none();
-    if (parallel) return Span::all();
+    if (!(dd > 0)) return ox * ox + oz * oz < r * r ? Span::all() : Span::none();
+    const double reach = r * std::sqrt(dd), moment = std::fabs(difference_of_products(ox, dz, oz, dx));
+    if (!(moment < reach)) return Span::none();
 
-    const double unit = slow * (1 / shrink);
-    const double s = -difference_of_products(ox, dx, -oz, dz) / dd;
-    const double h = std::sqrt((r - distance) * (r + distance)) / speed;
-    return {(s - h) * unit, (s + h) * unit};
+    const double middle = -difference_of_products(ox, dx, -oz, dz), half = std::sqrt((reach - moment) * (reach + moment));
+    const double unit = slow * (1 / shrink) / dd;
+    return {(middle - half) * unit, (middle + half) * unit};
 }
 
 // The part of an axis between two values, low < o + t d < high: the rule of the slab. A line at rest on that axis lies
-// inside altogether, or not at all.
+// inside altogether, or not at all; a d whose reciprocal would overflow counts as rest, which keeps 0 * infinity out.
 inline Span slab_span(double origin, double direction, double low, double high) {
-    if (direction == 0) return low < origin && origin < high ? Span::all() : Span::none();
-    const double a = (low - origin) / direction, b = (high - origin) / direction;
+    if (std::fabs(direction) < 0x1p-1022) return low < origin && origin < high ? Span::all() : Span::none();
+    const double pace = 1 / direction, a = (low - origin) * pace, b = (high - origin) * pace;
     return a < b ? Span{a, b} : Span{b, a};
 }
 
