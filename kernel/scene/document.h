@@ -20,7 +20,7 @@ struct Value {
     Kind kind = Kind::number;
     double number = 0;
     bool angle = false;  // written with a unit of angle: 90deg, 0.5rad, or an expression of such
-    std::string text;    // of a text (without quotes) or a word
+    std::string text;    // of a text (without quotes) or a word; of a number that is one constant, its name
     Place place;
 };
 
@@ -53,6 +53,7 @@ struct Block {
 struct Document {
     std::shared_ptr<Sources> sources = std::make_shared<Sources>();  // what the places point into
     Items items;
+    std::vector<std::string> constants;  // names of the numbers that it defined, for suggestions
 };
 
 }  // namespace lapidary
