@@ -21,11 +21,13 @@
 
 namespace lapidary {
 
-// Bounds over all of space, for whatever gradients meet in a cell (derived in tests/stress/noise_bounds.cpp, by a grid and a
-// proven margin between its points):
-inline constexpr double noise_bound = 1.04;            // |noise|
-inline constexpr double noise_slope_bound = 3.5;       // |gradient of noise|
-inline constexpr double noise_curvature_bound = 20.0;  // |second derivative of noise along any unit direction|
+// Bounds over all of space, whatever gradients meet in a cell. Noise and its derivatives along a unit vector are sums over
+// the eight corners of terms that are linear in the corner's gradient, so the largest possible value at a point is the
+// sum of the largest over the twelve gradients, corner by corner; its maxima over the cell are 1.03636, 3.75 (at the
+// middle, along an axis) and 14.4652. tests/stress/noise_bounds.cpp searches for larger ones.
+inline constexpr double noise_bound = 1.037;            // |noise|
+inline constexpr double noise_slope_bound = 3.751;      // |gradient of noise|
+inline constexpr double noise_curvature_bound = 14.48;  // |second derivative of noise along any unit vector|
 
 // The mean of |noise| over space: what an octave too fine to be seen contributes to a sum of them.
 inline constexpr double mean_absolute_noise = 0.2204;
