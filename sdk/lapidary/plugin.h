@@ -36,6 +36,8 @@
 #include "lapidary/child.h"
 #include "lapidary/leaf.h"
 #include "lapidary/noise.h"
+#include "lapidary/root_isolation.h"
+#include "lapidary/selection.h"
 
 namespace lapidary::sdk {
 
