@@ -19,20 +19,22 @@ namespace lapidary {
 class World;
 
 struct RenderOptions {
-    int threads = 0;                     // 0: as many as the machine has
-    std::optional<PixelRegion> region;   // nothing: the whole picture
-    std::optional<int> samples;          // --samples: exactly this many a pixel
-    std::optional<double> error;         // --error: overrides the scene's
+    int threads = 0;                                    // 0: as many as the machine has
+    std::optional<PixelRegion> region;                  // nothing: the whole picture
+    std::optional<int> samples;                         // --samples: exactly this many a pixel
+    std::optional<double> error;                        // --error: overrides the scene's
     std::optional<std::chrono::duration<double>> time;  // --time: the best picture in that time
-    const std::atomic<bool>* cancel = nullptr;           // set from anywhere; noticed within 50 ms
-    // Called after each finished tile, one at a time.
+    const std::atomic<bool>* cancel = nullptr;          // set from anywhere; noticed within 50 ms
+    bool preview = false;  // begin with a coarse picture of the whole region, for somebody who looks on
+    // Called whenever a tile has changed, one at a time, while only that tile may be read: its first samples, then each
+    // refinement.
     std::function<void(const Frame& frame, const PixelRegion& tile)> on_tile;
 };
 
 struct RenderReport {
-    bool complete = false;             // false: cancelled
+    bool complete = false;  // false: cancelled, or the time was too short for a sample of every pixel
     std::size_t pixels = 0, finished = 0;
-    std::size_t within_error = 0;      // pixels that met the bound
+    std::size_t within_error = 0;  // pixels that met the bound
     std::uint64_t samples = 0;
     double seconds = 0;
     TraceStatistics trace;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+//
+// Camera -> rays: a place in the picture and a place on the lens become a ray in the world.
+//
+// The camera's space is left-handed: x right, y up, z into the picture. With the location L, the unit vectors
+// right, up and forward, the screen's distance D and size w × h, a picture of W × H pixels and a place (x, y) in pixels
+// from the top left, the view through a pinhole runs along
+//
+//     v = forward + ((x/W - ½) w/D) right + ((½ - y/H) h/D) up.
+//
+// A thin lens of radius a at L sends every ray of a place through the one point L + f v in the plane that is sharp:
+// from the lens point o = a (lx right + ly up) the direction is f v - o. A ray's origin is kept as L + o in two parts.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernel/export.h"
+#include "kernel/render/ray.h"
+#include "kernel/render/sampler.h"
+#include "kernel/scene/camera.h"
+
+namespace lapidary {
+
+class LAPIDARY_API CameraRays {
+public:
+    CameraRays(const Camera& camera, int width, int height);
+
+    // A place in the picture, in pixels from the top left, seen through a place on the lens. The ray's key is not set.
+    Ray ray(double x, double y, DiscPoint lens = {}) const;
+
+    // Which place on the lens a sample of a pixel takes: the beforehand calculated ones in turn, or a new one for each.
+    DiscPoint lens_point(SampleKey key) const;
+
+    bool has_lens() const { return has_lens_; }
+    // How many places on the lens were calculated beforehand; 1 without a lens, 0: a new one for every ray.
+    int lens_points() const { return has_lens_ ? static_cast<int>(lens_points_.size()) : 1; }
+
+    // The angle that a pixel subtends at the picture's centre; 0 where rays are parallel.
+    double pixel_footprint() const { return pixel_footprint_; }
+
+    const Vector& right() const { return right_; }
+    const Vector& up() const { return up_; }
+    const Vector& forward() const { return forward_; }
+
+private:
+    void orient(const Camera& camera);
+    void measure_screen(const Camera& camera);
+
+    Camera::Projection projection_;
+    Point location_;
+    Vector right_, up_, forward_;
+    double screen_distance_ = 1;
+    double picture_width_, picture_height_;  // pixels
+    // Perspective: the screen's size at distance 1. Orthographic: in world units.
+    double screen_width_ = 1, screen_height_ = 1;
+    double focus_, lens_radius_;
+    bool has_lens_;
+    std::vector<DiscPoint> lens_points_;
+    double pixel_footprint_ = 0;
+};
+
+}  // namespace lapidary

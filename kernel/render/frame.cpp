@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/render/frame.h"
+
+#include <cassert>
+
+namespace lapidary {
+
+namespace {
+
+struct LayerTraits {
+    std::string_view name;
+    int channels;
+};
+
+// In the order of the enumeration.
+constexpr std::array<LayerTraits, layer_count> layer_traits{{
+    {"colour", 3},
+    {"depth", 1},
+    {"normal", 3},
+    {"position", 3},
+    {"object", 1},
+    {"material", 1},
+    {"samples", 1},
+    {"error", 1},
+}};
+
+}  // namespace
+
+std::string_view name_of(Layer layer) { return layer_traits[static_cast<std::size_t>(layer)].name; }
+
+int channels_of(Layer layer) { return layer_traits[static_cast<std::size_t>(layer)].channels; }
+
+Frame::Frame(int width, int height, LayerSet layers) : width_(width), height_(height) {
+    assert(width > 0 && height > 0);
+    layers.add(Layer::colour);
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    for (std::size_t i = 0; i < data_.size(); ++i) {
+        const auto layer = static_cast<Layer>(i);
+        if (layers.has(layer)) data_[i].assign(pixels * static_cast<std::size_t>(channels_of(layer)), 0.0f);
+    }
+}
+
+std::span<float> Frame::pixel(Layer layer, int x, int y) {
+    const auto channels = static_cast<std::size_t>(channels_of(layer));
+    const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    return std::span(data_[static_cast<std::size_t>(layer)]).subspan(index * channels, channels);
+}
+
+std::span<const float> Frame::pixel(Layer layer, int x, int y) const {
+    const auto channels = static_cast<std::size_t>(channels_of(layer));
+    const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    return std::span(data_[static_cast<std::size_t>(layer)]).subspan(index * channels, channels);
+}
+
+std::span<const float> Frame::layer(Layer layer) const { return data_[static_cast<std::size_t>(layer)]; }
+
+}  // namespace lapidary

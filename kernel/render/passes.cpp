@@ -1,0 +1,518 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/render/passes.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "kernel/render/pixel_estimate.h"
+
+namespace lapidary {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int tile_size = 32;
+// So few that a cancellation is noticed within 50 ms even where a ray takes a fifth of a millisecond.
+constexpr std::size_t batch_size = 128;
+constexpr std::array<int, 3> preview_blocks{16, 8, 4};
+
+constexpr std::uint32_t first_samples = 4;
+constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
+constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
+
+struct Pixel {
+    PixelEstimate estimate;
+    std::uint32_t taken = 0;  // samples traced, also those that were not finite
+    std::uint32_t goal = 0;   // samples to have after the next pass
+};
+
+struct Place {
+    int x = 0, y = 0;
+};
+
+PixelRegion intersection(const PixelRegion& a, const PixelRegion& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+PixelRegion grown(const PixelRegion& region, int margin) {
+    return {region.x0 - margin, region.y0 - margin, region.x1 + margin, region.y1 + margin};
+}
+
+std::size_t pixel_count(const PixelRegion& region) {
+    if (region.is_empty()) return 0;
+    return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
+}
+
+std::vector<PixelRegion> tiles_of(const PixelRegion& region) {
+    std::vector<PixelRegion> tiles;
+    for (int y = region.y0; y < region.y1; y += tile_size)
+        for (int x = region.x0; x < region.x1; x += tile_size)
+            tiles.push_back(intersection({x, y, x + tile_size, y + tile_size}, region));
+    return tiles;
+}
+
+// The even bits of a number, drawn together.
+constexpr int even_bits(unsigned x) {
+    x &= 0x5555u;
+    x = (x | (x >> 1)) & 0x3333u;
+    x = (x | (x >> 2)) & 0x0f0fu;
+    return static_cast<int>((x | (x >> 4)) & 0x00ffu);
+}
+
+// Visits a tile's pixels along the Z-shaped curve of Morton.
+template <typename Visit>
+void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
+    for (unsigned code = 0; code < tile_size * tile_size; ++code) {
+        const int x = tile.x0 + even_bits(code);
+        const int y = tile.y0 + even_bits(code >> 1);
+        if (x < tile.x1 && y < tile.y1) visit(x, y);
+    }
+}
+
+float to_float(double value) {
+    constexpr double largest_float = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -largest_float, largest_float));
+}
+
+void store(std::span<float> channels, double x, double y, double z) {
+    channels[0] = to_float(x), channels[1] = to_float(y), channels[2] = to_float(z);
+}
+
+// Rays that wait to be traced together, and what each is for.
+struct Batch {
+    struct Purpose {
+        std::size_t pixel = 0;
+        Place place;
+        bool colour = true;     // counts for the pixel's colour
+        bool layers = false;    // fills the other layers
+        bool negative = false;  // stands in a negative lobe of the filter
+    };
+    std::array<Ray, batch_size> rays;
+    std::array<RaySample, batch_size> samples;
+    std::array<Purpose, batch_size> purposes;
+    std::size_t size = 0;
+};
+
+// What a thread has for itself.
+struct Worker {
+    std::unique_ptr<Integrand> integrand;
+    std::unique_ptr<Batch> batch = std::make_unique<Batch>();
+    std::uint64_t camera_rays = 0;
+    std::uint64_t non_finite_samples = 0;
+};
+
+class Passes {
+public:
+    Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
+           Frame& frame, const RenderOptions& options);
+
+    RenderReport run();
+
+private:
+    void render_all();
+    void preview();
+    void sample_uniformly(int samples);
+    void sample_adaptively(double tolerance, std::uint32_t most);
+    void sample_until_time_is_up();
+
+    // One pass over the tiles of a region: every pixel takes samples up to its goal.
+    void trace_goals(const PixelRegion& region, bool counts_as_finished);
+    void trace_tile(const PixelRegion& tile, Worker& worker);
+    void trace_samples(int x, int y, Worker& worker);
+    void flush(Worker& worker);
+    void preview_tile(const PixelRegion& tile, int block, Worker& worker);
+
+    // Between passes.
+    bool set_goals(const PixelRegion& region, double tolerance, std::uint32_t goal);
+    double estimated_error(int x, int y) const;
+    Colour colour_of(std::size_t pixel) const;
+
+    void write_pixels(const PixelRegion& tile);
+    void write_layers(Place place, const RaySample& sample);
+    void write_errors();
+    void announce(const PixelRegion& tile);
+    RenderReport report();
+
+    template <typename Body>
+    void for_each_tile(const PixelRegion& region, Body&& body);
+    std::size_t index_of(int x, int y) const {
+        return static_cast<std::size_t>(y - area_.y0) * static_cast<std::size_t>(area_.width()) +
+               static_cast<std::size_t>(x - area_.x0);
+    }
+    bool is_in_region(int x, int y) const { return x >= region_.x0 && x < region_.x1 && y >= region_.y0 && y < region_.y1; }
+    bool is_stopped() const;
+    bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
+    bool is_time_up() const { return deadline_ && Clock::now() >= *deadline_; }
+
+    const CameraRays& camera_;
+    const PixelFilter& filter_;
+    const SamplingPlan& plan_;
+    Frame& frame_;
+    const RenderOptions& options_;
+
+    Clock::time_point begin_ = Clock::now();
+    std::optional<Clock::time_point> deadline_;
+    std::uint32_t first_samples_ = first_samples;
+    int most_passes_ = 0;                        // after the first
+    PixelRegion picture_;                        // all of it
+    PixelRegion region_;                         // what is asked for
+    PixelRegion area_;                           // with the margin that its estimates need
+    std::vector<Pixel> pixels_;                  // of the area
+    std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
+    bool wants_layers_ = false;
+
+    tbb::enumerable_thread_specific<Worker> workers_;
+    std::mutex announcing_;
+};
+
+std::uint32_t most_samples(const SamplingPlan& plan) {
+    // Enough for a spread of one.
+    const double needed = plan.error > 0 ? std::pow(1 / plan.error, 1 / plan.error_exponent) : most_at_most;
+    if (plan.refine_until_time_is_up || !(needed < most_at_most)) return most_at_most;
+    return std::max(fewest_at_most, std::bit_ceil(static_cast<std::uint32_t>(needed)));
+}
+
+Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter,
+               const SamplingPlan& plan, Frame& frame, const RenderOptions& options)
+    : camera_(camera),
+      filter_(filter),
+      plan_(plan),
+      frame_(frame),
+      options_(options),
+      picture_{0, 0, frame.width(), frame.height()},
+      region_(options.region ? intersection(*options.region, picture_) : picture_),
+      workers_([&make_integrand] { return Worker{make_integrand()}; }) {
+    if (options.time) deadline_ = begin_ + std::chrono::duration_cast<Clock::duration>(*options.time);
+    for (const Layer layer : {Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
+        wants_layers_ |= frame.has(layer);
+
+    if (filter.has_negative_lobes()) first_samples_ = first_samples_of_signed_filter;
+    // Every lens point has its turn.
+    first_samples_ = std::max(first_samples_, std::bit_ceil(static_cast<std::uint32_t>(std::max(1, camera.lens_points()))));
+
+    area_ = region_;
+    if (plan.samples == 0) {
+        most_passes_ = std::max(0, std::countr_zero(most_samples(plan)) - std::countr_zero(first_samples_));
+        if (!region_.is_empty()) area_ = intersection(grown(region_, most_passes_ + 1), picture_);
+    }
+    pixels_.resize(pixel_count(area_));
+    if (filter.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
+}
+
+bool Passes::is_stopped() const { return is_cancelled() || is_time_up(); }
+
+// ---- the passes ------------------------------------------------------------------------------------------------------
+
+RenderReport Passes::run() {
+    if (!region_.is_empty()) {
+        const int threads =
+            options_.threads > 0 ? options_.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        // The number asked for, even where the machine has fewer.
+        const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+        tbb::task_arena arena(threads);
+        arena.execute([this] { render_all(); });
+    }
+    return report();
+}
+
+void Passes::render_all() {
+    if (options_.preview || options_.time) preview();
+    if (plan_.samples > 0)
+        sample_uniformly(plan_.samples);
+    else if (plan_.refine_until_time_is_up)
+        sample_until_time_is_up();
+    else
+        sample_adaptively(plan_.error, most_samples(plan_));
+}
+
+void Passes::sample_uniformly(int samples) {
+    for (Pixel& pixel : pixels_) pixel.goal = static_cast<std::uint32_t>(samples);
+    trace_goals(region_, true);
+}
+
+void Passes::sample_adaptively(double tolerance, std::uint32_t most) {
+    for (Pixel& pixel : pixels_) pixel.goal = first_samples_;
+    trace_goals(area_, false);
+
+    std::uint32_t goal = first_samples_;
+    for (int pass = 1; pass <= most_passes_ && goal < most && !is_stopped(); ++pass) {
+        goal *= 2;
+        const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
+        if (!set_goals(taking_part, tolerance, goal)) break;
+        trace_goals(taking_part, false);
+    }
+}
+
+void Passes::sample_until_time_is_up() {
+    // Something everywhere first, then the first samples that estimates need.
+    for (const std::uint32_t goal : {1u, first_samples_}) {
+        for (Pixel& pixel : pixels_) pixel.goal = goal;
+        trace_goals(region_, false);
+    }
+
+    // Each tolerance starts from what the one before it left.
+    constexpr double coarsest = 0.064, finest = 1e-6;
+    for (double tolerance = coarsest; tolerance > finest && !is_stopped(); tolerance /= 2)
+        for (std::uint32_t goal = 2 * first_samples_; goal <= most_at_most && !is_stopped(); goal *= 2) {
+            set_goals(region_, tolerance, goal);
+            trace_goals(region_, false);
+        }
+}
+
+template <typename Body>
+void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
+    const std::vector<PixelRegion> tiles = tiles_of(region);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t i = range.begin(); i != range.end() && !is_stopped(); ++i) body(tiles[i]);
+        },
+        tbb::simple_partitioner());
+}
+
+void Passes::trace_goals(const PixelRegion& region, bool counts_as_finished) {
+    for_each_tile(region, [&](const PixelRegion& tile) {
+        bool changes = false;
+        for_each_pixel(tile, [&](int x, int y) {
+            const Pixel& pixel = pixels_[index_of(x, y)];
+            changes |= pixel.taken < pixel.goal;
+        });
+        if (!changes) return;
+
+        trace_tile(tile, workers_.local());
+        const PixelRegion shown = intersection(tile, region_);
+        if (shown.is_empty()) return;
+        write_pixels(shown);
+        if (counts_as_finished && !is_stopped()) frame_.count_finished(pixel_count(shown));
+        announce(shown);
+    });
+}
+
+// ---- rays ------------------------------------------------------------------------------------------------------------
+
+void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
+    worker.batch->size = 0;
+    for_each_pixel(tile, [&](int x, int y) {
+        if (!is_stopped()) trace_samples(x, y, worker);
+    });
+    flush(worker);
+}
+
+void Passes::trace_samples(int x, int y, Worker& worker) {
+    const std::size_t index = index_of(x, y);
+    Pixel& pixel = pixels_[index];
+    const auto queue = [&](Ray ray, const SampleKey& key, const Batch::Purpose& purpose) {
+        Batch& batch = *worker.batch;
+        ray.key = key;
+        batch.rays[batch.size] = ray;
+        batch.purposes[batch.size] = purpose;
+        if (++batch.size == batch_size) flush(worker);
+    };
+
+    // The layers beside colour come from the pixel's centre; a single sample is the centre, too.
+    const bool single = plan_.samples == 1;
+    const bool layers = wants_layers_ && pixel.taken == 0 && is_in_region(x, y);
+    if (layers || (single && pixel.taken < pixel.goal)) {
+        const SampleKey key = sample_key(x, y, 0);
+        const DiscPoint lens = single ? camera_.lens_point(key) : DiscPoint{};
+        queue(camera_.ray(x + 0.5, y + 0.5, lens), key, {index, {x, y}, single, layers, false});
+        if (single) {
+            pixel.taken = 1;
+            return;
+        }
+    }
+
+    while (pixel.taken < pixel.goal && !is_stopped()) {
+        const std::uint32_t end = std::min<std::uint32_t>(pixel.goal, pixel.taken + batch_size);
+        for (; pixel.taken < end; ++pixel.taken) {
+            const SampleKey key = sample_key(x, y, pixel.taken);
+            const PixelFilter::Placement place = filter_.place(sample_pair(key, dimension_pair::pixel));
+            queue(camera_.ray(x + 0.5 + place.x, y + 0.5 + place.y, camera_.lens_point(key)), key,
+                  {index, {x, y}, true, false, place.negative});
+        }
+    }
+}
+
+void Passes::flush(Worker& worker) {
+    Batch& batch = *worker.batch;
+    if (batch.size == 0) return;
+    worker.integrand->trace(std::span(batch.rays).first(batch.size), std::span(batch.samples).first(batch.size));
+    worker.camera_rays += batch.size;
+
+    // In the order of the samples, whatever the batches were.
+    for (std::size_t i = 0; i < batch.size; ++i) {
+        const Batch::Purpose& purpose = batch.purposes[i];
+        const RaySample& sample = batch.samples[i];
+        if (purpose.layers) write_layers(purpose.place, sample);
+        if (!purpose.colour) continue;
+        PixelEstimate& estimate = purpose.negative ? negative_lobes_[purpose.pixel] : pixels_[purpose.pixel].estimate;
+        if (!estimate.add(sample.colour)) ++worker.non_finite_samples;
+    }
+    batch.size = 0;
+}
+
+// ---- preview ---------------------------------------------------------------------------------------------------------
+
+void Passes::preview() {
+    for (const int block : preview_blocks)
+        for_each_tile(region_, [&](const PixelRegion& tile) { preview_tile(tile, block, workers_.local()); });
+}
+
+// One ray in the middle of each block paints all of it.
+void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
+    for (int y = tile.y0; y < tile.y1 && !is_stopped(); y += block)
+        for (int x = tile.x0; x < tile.x1; x += block) {
+            const PixelRegion painted = intersection({x, y, x + block, y + block}, tile);
+            Ray ray = camera_.ray((painted.x0 + painted.x1) / 2.0, (painted.y0 + painted.y1) / 2.0);
+            ray.key = sample_key(x, y, 0);
+            RaySample sample;
+            worker.integrand->trace({&ray, 1}, {&sample, 1});
+            if (!is_finite(sample.colour)) continue;
+            for (int py = painted.y0; py < painted.y1; ++py)
+                for (int px = painted.x0; px < painted.x1; ++px)
+                    store(frame_.pixel(Layer::colour, px, py), sample.colour.r, sample.colour.g, sample.colour.b);
+        }
+    announce(tile);
+}
+
+// ---- estimates -------------------------------------------------------------------------------------------------------
+
+Colour Passes::colour_of(std::size_t pixel) const {
+    const PixelEstimate& estimate = pixels_[pixel].estimate;
+    if (negative_lobes_.empty()) return estimate.mean();
+    // (p·positive - n·negative) / (p - n), exact where both are equal.
+    const PixelEstimate& negative = negative_lobes_[pixel];
+    if (negative.count() == 0 || 2 * negative.count() > estimate.count()) return estimate.mean();
+    const double weight = static_cast<double>(negative.count()) / (estimate.count() - negative.count());
+    return estimate.mean() + weight * (estimate.mean() - negative.mean());
+}
+
+double Passes::estimated_error(int x, int y) const {
+    const std::size_t index = index_of(x, y);
+    const PixelEstimate& own = pixels_[index].estimate;
+    if (own.count() == 0) return infinity;
+
+    const Colour colour = colour_of(index);
+    double spread = own.spread();
+    if (plan_.samples == 0) {
+        const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
+        for (int ny = around.y0; ny < around.y1; ++ny)
+            for (int nx = around.x0; nx < around.x1; ++nx) {
+                const std::size_t neighbour = index_of(nx, ny);
+                if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
+                spread = std::max(spread, pixels_[neighbour].estimate.spread() / 2);
+                spread = std::max(spread, contrast(colour, colour_of(neighbour)) / 4);
+            }
+    } else if (own.count() == 1) {
+        return infinity;  // a single sample does not tell how far it is off
+    }
+    return spread * std::pow(own.count(), -plan_.error_exponent) / brightness_scale(colour);
+}
+
+bool Passes::set_goals(const PixelRegion& region, double tolerance, std::uint32_t goal) {
+    std::atomic<bool> any{false};
+    for_each_tile(region, [&](const PixelRegion& tile) {
+        for_each_pixel(tile, [&](int x, int y) {
+            Pixel& pixel = pixels_[index_of(x, y)];
+            if (pixel.taken >= goal || estimated_error(x, y) <= tolerance) return;
+            pixel.goal = goal;
+            any.store(true, std::memory_order_relaxed);
+        });
+    });
+    return any;
+}
+
+// ---- the frame -------------------------------------------------------------------------------------------------------
+
+void Passes::write_pixels(const PixelRegion& tile) {
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const std::size_t index = index_of(x, y);
+            if (pixels_[index].taken == 0) continue;
+            const Colour colour = colour_of(index);
+            store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
+            if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixels_[index].taken);
+        }
+}
+
+void Passes::write_layers(Place place, const RaySample& sample) {
+    const auto [x, y] = place;
+    if (frame_.has(Layer::depth)) frame_.pixel(Layer::depth, x, y)[0] = static_cast<float>(sample.depth);
+    if (frame_.has(Layer::normal)) store(frame_.pixel(Layer::normal, x, y), sample.normal.x, sample.normal.y, sample.normal.z);
+    if (frame_.has(Layer::position))
+        store(frame_.pixel(Layer::position, x, y), sample.position.x, sample.position.y, sample.position.z);
+    if (frame_.has(Layer::object)) frame_.pixel(Layer::object, x, y)[0] = static_cast<float>(sample.object);
+    if (frame_.has(Layer::material)) frame_.pixel(Layer::material, x, y)[0] = static_cast<float>(sample.material);
+}
+
+void Passes::write_errors() {
+    if (!frame_.has(Layer::error)) return;
+    for (int y = region_.y0; y < region_.y1; ++y)
+        for (int x = region_.x0; x < region_.x1; ++x)
+            frame_.pixel(Layer::error, x, y)[0] = static_cast<float>(estimated_error(x, y));
+}
+
+void Passes::announce(const PixelRegion& tile) {
+    if (!options_.on_tile) return;
+    const std::lock_guard lock(announcing_);
+    options_.on_tile(frame_, tile);
+}
+
+RenderReport Passes::report() {
+    RenderReport report;
+    report.pixels = pixel_count(region_);
+    report.complete = !is_cancelled();
+    write_errors();
+
+    for (int y = region_.y0; y < region_.y1; ++y)
+        for (int x = region_.x0; x < region_.x1; ++x) {
+            report.samples += pixels_[index_of(x, y)].taken;
+            report.within_error += estimated_error(x, y) <= plan_.error;
+        }
+    if (report.complete && frame_.finished() < report.pixels) frame_.count_finished(report.pixels - frame_.finished());
+    report.finished = frame_.finished();
+    frame_.set_complete(report.complete);
+
+    for (const Worker& worker : workers_) {
+        report.trace += worker.integrand->statistics();
+        report.trace.non_finite_samples += worker.non_finite_samples;
+    }
+    report.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    return report;
+}
+
+}  // namespace
+
+SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options) {
+    SamplingPlan plan;
+    plan.error = options.error.value_or(scene.render.error);
+    if (options.samples)
+        plan.samples = std::max(1, *options.samples);
+    else if (!options.error && !options.time && scene.camera.rays)
+        plan.samples = std::max(1, *scene.camera.rays);
+    plan.refine_until_time_is_up = options.time.has_value() && !options.error && plan.samples == 0;
+
+    // A lens and lights with extent add dimensions, in which the error falls more slowly.
+    const bool lens = scene.camera.aperture > 0 && scene.camera.points != 1;
+    const bool soft_light =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const SceneLight& light) { return light.light->has_extent(); });
+    if (lens || soft_light) plan.error_exponent = 0.6;
+    return plan;
+}
+
+RenderReport render_passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter,
+                           const SamplingPlan& plan, Frame& frame, const RenderOptions& options) {
+    return Passes(make_integrand, camera, filter, plan, frame, options).run();
+}
+
+}  // namespace lapidary

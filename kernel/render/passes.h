@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes that a picture is made of. All of them are deterministic functions of the integrand; threads only share
+// the work of one pass.
+//
+// - Preview (on demand): one ray for each block of pixels, blocks from coarse to fine; overwritten later.
+// - With a fixed number of samples: one pass in which every pixel takes all of them.
+// - Adaptive: a first pass takes a few samples of every pixel. Then, again and again, every pixel whose estimated error
+//   is above the tolerance doubles its samples, where the estimates of a pass are made from the state *between* passes.
+//   Whether a pixel goes on in pass k depends on its neighbours after pass k-1, those on theirs after pass k-2 …, never
+//   on tiles. A region therefore renders a margin around itself: pixels at distance d take part in the first K-d of at
+//   most K passes, and every pixel of the region ends bit for bit as in the full picture. Margin pixels that are flat
+//   cost the first pass only.
+// - Against the clock: the same with a tolerance that is halved again and again until the time is up.
+//
+// Tiles are walked along a Z-shaped curve, so that consecutive rays lie close together; they are traced in batches that
+// are small enough to notice a cancellation in time.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "kernel/export.h"
+#include "kernel/render/camera_rays.h"
+#include "kernel/render/filter.h"
+#include "kernel/render/frame.h"
+#include "kernel/render/render.h"
+
+namespace lapidary {
+
+// What is integrated over each pixel: rays to samples. One per thread; what it returns for a ray depends on nothing but
+// the ray.
+class Integrand {
+public:
+    virtual ~Integrand() = default;
+    virtual void trace(std::span<const Ray> rays, std::span<RaySample> samples) = 0;
+    virtual TraceStatistics statistics() const { return {}; }
+};
+
+using IntegrandMaker = std::function<std::unique_ptr<Integrand>()>;
+
+struct SamplingPlan {
+    int samples = 0;                       // of every pixel; 0: as many as the error asks for
+    double error = 0.004;                  // where samples is 0
+    bool refine_until_time_is_up = false;  // go on below `error`
+    double error_exponent = 0.75;          // the error falls as n to the minus this
+};
+
+LAPIDARY_API SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options);
+
+LAPIDARY_API RenderReport render_passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter,
+                                        const SamplingPlan& plan, Frame& frame, const RenderOptions& options);
+
+}  // namespace lapidary

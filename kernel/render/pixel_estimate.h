@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+//
+// What is known of a pixel from its samples: their mean, their spread, and how far the mean may still be off.
+//
+// With Owen-scrambled samples the error of a pixel that holds an edge falls as spread · n^-3/4 (n^-0.6 where a lens or
+// a light with extent adds dimensions), not as n^-1/2. The spread of the pixel's own first samples is a poor witness:
+// a pixel that happens to look flat after four samples stops at once, and such pixels dominate the error. Its neighbours
+// reveal them: the spread to reckon with is
+//
+//     max(own spread, ½ of the neighbours' greatest spread, ¼ of the greatest contrast to a neighbour).
+//
+// Measured (performance notes, section 6): three to four times fewer samples than uniform sampling for the same error.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kernel/math/colour.h"
+
+namespace lapidary {
+
+// The mean and spread of samples, one by one (Welford 1962): exact for equal samples, no cancellation.
+class PixelEstimate {
+public:
+    // A sample that is not finite is left out; the answer is whether it was taken.
+    bool add(const Colour& sample) {
+        if (!is_finite(sample)) return false;
+        ++count_;
+        const Colour change = sample - mean_;
+        mean_ += (1.0 / count_) * change;
+        const Colour rest = sample - mean_;
+        squares_ += change.r * rest.r + change.g * rest.g + change.b * rest.b;
+        return true;
+    }
+
+    std::uint32_t count() const { return count_; }
+    const Colour& mean() const { return mean_; }
+
+    // Standard deviation of the samples, over the three channels alike.
+    double spread() const { return count_ > 1 ? std::sqrt(squares_ / (3.0 * (count_ - 1))) : 0; }
+
+private:
+    Colour mean_;
+    double squares_ = 0;
+    std::uint32_t count_ = 0;
+};
+
+// Root mean square of the difference over the channels.
+inline double contrast(const Colour& a, const Colour& b) {
+    const Colour d = a - b;
+    return std::sqrt((d.r * d.r + d.g * d.g + d.b * d.b) / 3);
+}
+
+// Errors are absolute up to white; of brighter light, which a picture shows as white or a viewer scales down, they are
+// relative.
+inline double brightness_scale(const Colour& mean) { return std::fmax(1.0, largest(mean)); }
+
+}  // namespace lapidary
