@@ -62,6 +62,16 @@ std::string word_names(const PropertySchema& property) {
     return property.most_values > 1 ? names + ", …" : names;
 }
 
+// Values that differ in shape are called by it.
+std::string shape_names(const PropertySchema& property) {
+    std::string names;
+    for (const Shape shape : property.shapes) {
+        if (!names.empty()) names += ", ";
+        names += shape == Shape::text ? "\"text\"" : shape == Shape::word ? "word" : "number";
+    }
+    return names;
+}
+
 }  // namespace
 
 double Range::clamp(double v) const {
@@ -92,6 +102,7 @@ std::string Range::describe(Unit unit) const {
 
 std::string PropertySchema::signature() const {
     if (!arguments.empty()) return '(' + arguments + ')';
+    if (!shapes.empty()) return '(' + shape_names(*this) + ')';
     switch (shape) {
         case Shape::number:
         case Shape::integer:

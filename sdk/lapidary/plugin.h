@@ -28,12 +28,10 @@
 #include "kernel/registry/plugin.h"
 #include "kernel/registry/schema.h"
 
-// What the SDK adds to the interfaces: one scalar function becomes all of an object's; the children of texture
-// trees; the properties common to all leaves; noise.
-#if __has_include("lapidary/convex_object.h")
-#include "lapidary/convex_object.h"
-#endif
+// What the SDK adds to the interfaces: one scalar function becomes all of an object's; slots for child textures; the
+// properties common to all leaves of texture trees; noise.
 #include "lapidary/child.h"
+#include "lapidary/convex_object.h"
 #include "lapidary/leaf.h"
 #include "lapidary/noise.h"
 #include "lapidary/root_isolation.h"
