@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+//
+// Signals that ask the program to end. The first one asks the renderer to stop, so that what is done can be written;
+// the second one ends the program at once. Before the first pixel there is nothing to save, and signals do what they
+// always do.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+
+namespace lapidary {
+
+class Interruption {
+public:
+    // From now on SIGINT, SIGTERM and SIGHUP set the flag.
+    static void listen();
+    static void request() { requested_ = true; }
+    static const std::atomic<bool>& requested() { return requested_; }
+
+    // A file that is half written; the second signal removes it.
+    static void guard(const std::filesystem::path& file);
+    static void release();
+
+private:
+    static void receive(int signal);
+    static inline std::atomic<bool> requested_{false};
+};
+
+}  // namespace lapidary

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "apps/lapidary/session.h"
+
+#include "apps/lapidary/settings.h"
+#include "kernel/registry/search_path.h"
+#include "kernel/scene/build.h"
+#include "loaders/scene/load.h"
+
+namespace lapidary {
+
+std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>& plugin_path,
+                                        const Configurations& configurations) {
+    auto registry = std::make_unique<Registry>(
+        plugin_search_path({plugin_path, configurations.user.plugin_path, configurations.project.plugin_path}));
+    registry->set_command_line_folders(plugin_path.size());
+    return registry;
+}
+
+Session::Session(const SceneOptions& options, Messages& messages)
+    : options_(options),
+      messages_(messages),
+      configurations_(load_configurations(configuration_sources_, messages)),
+      registry_(make_registry(options.plugin_path, configurations_)) {}
+
+void Session::load() {
+    LoadOptions load{options_.include_path, options_.max_items};
+    for (auto& folder : configurations_.include_path()) load.include_path.push_back(std::move(folder));
+    document_ = load_scene_file(options_.file, load, messages_);
+    for (const std::string& setting : options_.settings) setting_sources_.push_back(apply_setting(setting, document_, messages_));
+}
+
+std::shared_ptr<const Scene> Session::build() {
+    auto scene = build_scene(document_, *registry_, options_.file.stem().string(), messages_);
+    return messages_.has_errors() ? nullptr : scene;
+}
+
+}  // namespace lapidary

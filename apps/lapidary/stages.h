@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// How long each stage of the work took.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace lapidary {
+
+struct Stage {
+    std::string name;
+    double seconds = 0;
+};
+
+// A stage lasts until the next one begins.
+class Stages {
+public:
+    void begin(std::string name) {
+        end();
+        stages_.push_back({std::move(name), 0});
+        running_ = true;
+    }
+    void end() {
+        const auto now = Clock::now();
+        if (running_) stages_.back().seconds = std::chrono::duration<double>(now - since_).count();
+        since_ = now;
+        running_ = false;
+    }
+    const std::vector<Stage>& all() const { return stages_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::vector<Stage> stages_;
+    Clock::time_point since_ = Clock::now();
+    bool running_ = false;
+};
+
+}  // namespace lapidary
