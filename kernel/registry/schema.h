@@ -59,6 +59,7 @@ struct PropertySchema {
     int least_values = 1, most_values = 1;  // how many values the parentheses hold
     bool optional = false;                  // has no default: absent means something of its own
     bool repeats = false;                   // may be written several times, each time adding to the list
+    bool direction = false;                 // a Vector or Normal: must not be zero, unless it has a range
     Unit unit = Unit::none;
     Range range;
     std::vector<std::string> words;  // of an enumeration
@@ -237,6 +238,7 @@ public:
         p.name = std::move(name);
         p.shape = Traits::shape;
         p.least_values = p.most_values = Traits::count * static_cast<int>(members.size());
+        p.direction = std::is_same_v<M, Vector> || std::is_same_v<M, Normal>;
         p.assign = [members](void* object, const std::vector<Value>& values) {
             const Value* v = values.data();
             for (auto member : members) {
@@ -266,6 +268,7 @@ public:
         if constexpr (requires { Traits::shapes; }) p.shapes.assign(std::begin(Traits::shapes), std::end(Traits::shapes));
         p.least_values = p.most_values = Traits::count;
         p.optional = true;
+        p.direction = std::is_same_v<M, Vector> || std::is_same_v<M, Normal>;
         p.assign = [member](void* object, const std::vector<Value>& values) {
             owner<Owner>(object).*member = Traits::from(values.data());
         };
