@@ -43,9 +43,9 @@ using Items = std::vector<Item>;
 // `keyword [name] { … } [with { … }]…`
 struct Block {
     std::string keyword;
-    std::string name;           // empty: none
+    std::string name;             // empty: none
     std::vector<Items> branches;  // at least one; more after each `with`
-    Place place;                // of the keyword
+    Place place;                  // of the keyword
     Place name_place;
     std::vector<Place> branch_places;  // of each branch's `{`
 };

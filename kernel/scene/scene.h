@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/export.h"
 #include "kernel/interfaces/light.h"
 #include "kernel/interfaces/material.h"
 #include "kernel/interfaces/object.h"
@@ -22,12 +23,23 @@ namespace lapidary {
 
 class Plugin;  // kernel/registry/registry.h
 
-// A material as placed in the scene. Its space is the space of the node that carries it.
+struct SceneMaterial;
+using SceneMaterialPtr = std::shared_ptr<const SceneMaterial>;
+
+// A material as placed in the scene. Its space is the space of the node that carries it. It is one of
+//   - a texture: `plugin` and `texture` are set, `children` fill its slots in order;
+//   - a `material` block with a name or transform of its own, around the one child;
+//   - the kernel's own plain matter: neither `texture` nor children.
 struct SceneMaterial {
-    MaterialPtr material;
+    MaterialPtr material;            // what the renderer asks: the texture with its transforms
     const Plugin* plugin = nullptr;  // of the outermost texture; null for the kernel's own plain matter
     std::string name;                // empty: none
     Place place;
+
+    MaterialPtr texture;                     // as its plugin made it, without transforms
+    std::vector<SceneMaterialPtr> children;  // in the order of writing
+    std::vector<TransformFactor> factors;    // as written, for printing
+    int depth = 1;                           // levels of nesting, this one included
 };
 
 enum class Operation : std::uint8_t { leaf, union_, merge, subtraction, intersection, symdiff };
@@ -45,10 +57,13 @@ struct SceneNode {
 
     std::vector<TransformFactor> factors;  // as written, for printing
     ExactTransform transform;              // their composition, from this node's space to its parent's
-    std::shared_ptr<const SceneMaterial> material;  // null: none of its own
+    SceneMaterialPtr material;             // null: none of its own
     std::optional<double> priority;
     std::string name;
     Place place;
+
+    // Names can chain nodes a hundred thousand deep: released one after the other, not one inside the other.
+    LAPIDARY_API ~SceneNode();
 };
 
 struct SceneLight {
@@ -66,7 +81,8 @@ struct SceneOutput {
 
 struct OutputSettings {
     int width = 640, height = 480;
-    std::string name;  // empty: the scene's
+    std::string name;                     // empty: the scene's
+    std::optional<std::string> encoding;  // the word of `encoding(linear);`, meant for every writer that has such a property
     std::vector<SceneOutput> writers;
 };
 

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/scene/build_context.h"
+
+#include <fmt/format.h>
+
+namespace lapidary {
+
+void refuse_name(const Block& block, BuildContext& context) {
+    if (!block.name.empty())
+        context.messages.error(block.name_place, fmt::format("'{}' takes no name; leave out '{}'", block.keyword, block.name));
+}
+
+void refuse_branches(const Block& block, BuildContext& context) {
+    if (block.branches.size() > 1)
+        context.messages.error(block.branch_places.size() > 1 ? block.branch_places[1] : block.place,
+                               fmt::format("'{}' takes no `with`; CSG operations and textures do", block.keyword));
+}
+
+}  // namespace lapidary

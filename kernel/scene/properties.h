@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+//
+// Values checked against a schema and put into the object that it describes.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "kernel/registry/schema.h"
+#include "kernel/report/messages.h"
+#include "kernel/scene/document.h"
+
+namespace lapidary {
+
+// Reads the properties of one block.
+class PropertyReader {
+public:
+    // `target`: the object that the schema describes, as a pointer to its most derived class.
+    PropertyReader(const SchemaBase& schema, void* target, std::string_view owner, Messages& messages)
+        : schema_(schema), target_(target), owner_(owner), messages_(messages) {}
+
+    // False where the schema has no property of this keyword; all else is done or reported.
+    bool read(const Property& property);
+    // Checks the conditions across properties; to be called after the last property. False where one fails.
+    bool finish(const Place& place);
+
+    // Where a property stands; no file where the block does not give it.
+    const Place* place_of(std::string_view keyword) const;
+    bool failed() const { return failed_; }
+    std::vector<std::string> known() const;
+
+private:
+    struct Given {
+        const PropertySchema* schema;
+        Place place;
+    };
+    bool check(const PropertySchema& schema, const Property& property);
+    bool check_value(const PropertySchema& schema, const Value& value, Shape shape);
+    void assign(const PropertySchema& schema, const Property& property);
+    void error(const Place& place, std::string text);
+
+    const SchemaBase& schema_;
+    void* target_;
+    std::string_view owner_;
+    Messages& messages_;
+    std::vector<Given> given_;
+    bool failed_ = false;
+};
+
+// "'radius' takes 1 value, not 2: radius(r);" and the like: how a property is written.
+std::string takes(const std::string& keyword, const std::string& signature, int least, int most, std::size_t given);
+// Warns of a bare angle beyond a full turn.
+void warn_of_degrees(const Value& value, Messages& messages);
+
+}  // namespace lapidary

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//
+// The blocks and properties that describe no object: camera, output, render, background.
+#pragma once
+
+#include "kernel/scene/build_context.h"
+
+namespace lapidary {
+
+Camera build_camera(const Block& block, BuildContext& context);
+OutputSettings build_output(const Block& block, BuildContext& context);
+RenderSettings build_render(const Block& block, BuildContext& context);
+
+// What the schemas of these blocks say, for checking, help and printing.
+const SchemaBase& camera_schema();
+const SchemaBase& screen_schema();
+const SchemaBase& output_schema();
+const SchemaBase& render_schema();
+
+}  // namespace lapidary
