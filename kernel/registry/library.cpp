@@ -3,12 +3,18 @@
 
 #define BOOST_DLL_USE_STD_FS
 #include <dlfcn.h>
+#include <elf.h>
 #include <fmt/format.h>
+#include <link.h>
 
 #include <boost/dll/shared_library.hpp>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -30,6 +36,26 @@ std::string loader_reason(const std::filesystem::path& library) {
     return "the dynamic loader cannot open it: " + reason;
 }
 
+// A library that was cut off (a full disk, a copy under way) would be mapped beyond its end and kill the process at the
+// first touch. The dynamic loader does not look; all segments being inside the file, it may.
+bool is_cut_off(const std::filesystem::path& library) {
+    std::ifstream file(library, std::ios::binary);
+    ElfW(Ehdr) header{};
+    const auto read = [&file](std::uint64_t offset, auto& structure) {
+        file.seekg(static_cast<std::streamoff>(offset));
+        return static_cast<bool>(file.read(reinterpret_cast<char*>(&structure), sizeof structure));
+    };
+    if (!read(0, header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return false;  // the loader says it better
+    std::error_code error;
+    const std::uint64_t size = std::filesystem::file_size(library, error);
+    for (std::uint64_t i = 0; i < header.e_phnum; ++i) {
+        ElfW(Phdr) segment{};
+        if (!read(header.e_phoff + i * header.e_phentsize, segment)) return true;
+        if (segment.p_type == PT_LOAD && (segment.p_offset > size || segment.p_filesz > size - segment.p_offset)) return true;
+    }
+    return false;
+}
+
 // Never closed, not even at exit, when objects made by a plugin may still be about to be destroyed.
 void keep_open(shared_library&& library) {
     static std::mutex mutex;
@@ -42,6 +68,7 @@ void keep_open(shared_library&& library) {
 
 void* open_symbol(const std::filesystem::path& library, const char* symbol) {
     const std::filesystem::path file = std::filesystem::absolute(library);
+    if (is_cut_off(file)) throw std::runtime_error("the file is cut off before its end; build or copy it again");
     shared_library opened;
     boost::dll::fs::error_code error;
     opened.load(file, error, load_mode::rtld_now | load_mode::rtld_local);
