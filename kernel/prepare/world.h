@@ -2,17 +2,124 @@
 //
 // What the renderer needs of a scene, and nothing more: transforms accumulated to the leaves, coincident surfaces
 // recognised, bounds, hierarchy, and the set of features that occur.
+//
+// The World is a list of solids under a hierarchy. A solid is a tree of operations over leaves; its leaves stand
+// contiguously, so that what is computed for a line through one solid fits in a small array.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "kernel/export.h"
+#include "kernel/math/transform.h"
+#include "kernel/prepare/hierarchy.h"
 #include "kernel/report/messages.h"
 #include "kernel/scene/scene.h"
 
 namespace lapidary {
 
-class LAPIDARY_API World;
+// A material where it stands in the world.
+struct MaterialInstance {
+    const Material* material = nullptr;
+    Transform placement;     // from the material's space to the world
+    double scale = 1;        // a length in the world times this is about its length in the material's space
+    bool is_uniform = false;
+    bool may_be_transparent = false;
+    Matter matter;           // of a uniform material: what it is everywhere
+    std::int32_t number = 0;  // for the `material` layer, from 1
+};
+
+// One face of a leaf, where faces of the leaf are shared: the class it belongs to.
+struct SurfaceUse {
+    std::int32_t surface_class = -1;
+    bool flipped = false;  // the leaf lies outside of the representative's inside
+};
+
+// Faces that lie on the same surface, to rounding. All are met at the t of the representative, bit for bit.
+struct SurfaceClass {
+    std::int32_t leaf = -1;  // the representative's
+    Surface surface;         // in that leaf's space
+};
+
+struct Leaf {
+    std::shared_ptr<const Object> object;
+    Transform placement;         // from the object's space to the world
+    Bounds box;                  // in the world, padded by rounding
+    std::int32_t appearance = -1;  // material that its faces show; -1: the innards of what it cuts
+    std::int32_t medium = 0;     // material of its inside
+    double priority = 0;
+    std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
+    std::int32_t surface_count = 0;
+    std::int32_t number = 0;     // of the object for the `object` layer, from 1 in the order of writing
+    Place place;
+};
+
+struct Node {
+    Operation operation = Operation::leaf;
+    std::int32_t first = 0;  // of a leaf: its index; else the first of `count` entries in World::children
+    std::int32_t count = 0;
+    Bounds box;
+    bool has_priority = false;
+    double priority = 0;
+    std::int32_t medium = -1;  // of a merge: the one material of its inside
+};
+
+struct Solid {
+    std::int32_t root = 0;  // in World::nodes
+    std::int32_t first_leaf = 0, leaf_count = 0;
+    Bounds box;
+    bool has_interfaces = false;  // its inside is made of more than one medium
+    bool may_be_transparent = false;
+};
+
+// A surface without inside, with the operands that clip it on the way from its leaf to the top of its tree.
+struct Sheet {
+    struct Condition {
+        std::int32_t solid = 0;  // a solid of World::clips, listed apart from the visible ones
+        bool inside = true;      // seen where inside it, or where outside
+    };
+    std::int32_t leaf = 0;
+    std::vector<Condition> conditions;
+    std::int32_t order = 0;  // number of solids before it in the order of writing
+};
+
+// What occurs anywhere in the scene. What does not is not asked for.
+struct Features {
+    bool transparency = false;
+    bool reflection = false;
+    bool relief = false;
+    bool sheets = false;
+    bool shared_surfaces = false;
+    bool extended_lights = false;
+    LAPIDARY_API std::string describe() const;
+};
+
+class LAPIDARY_API World {
+public:
+    std::vector<Leaf> leaves;
+    std::vector<Node> nodes;
+    std::vector<std::int32_t> children;  // node indices
+    std::vector<Solid> solids;           // in the order of writing
+    std::vector<Solid> clips;            // what only clips sheets
+    std::vector<Sheet> sheets;
+    std::vector<SurfaceUse> surface_uses;
+    std::vector<SurfaceClass> surface_classes;
+    std::vector<MaterialInstance> materials;
+    std::vector<std::shared_ptr<const Material>> owned_materials;  // the kernel's own plain ones
+    std::vector<std::shared_ptr<const Light>> lights;              // with direction
+    std::vector<std::shared_ptr<const Light>> ambient_lights;
+    Colour background;
+    Bounds bounds;           // of all bounded solids
+    Hierarchy hierarchy;     // over the bounded solids
+    std::vector<std::int32_t> unbounded;  // solids outside the hierarchy
+    std::int32_t most_leaves = 0;  // of one solid
+    std::int32_t most_spans = 1;   // of one leaf
+    Features features;
+    SceneNodePtr root;       // keeps objects and materials alive
+};
 
 // Never fails: what cannot be used (an empty operand, a sheet that subtracts) is left out with a warning.
 LAPIDARY_API std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages);

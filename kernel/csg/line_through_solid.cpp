@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/csg/line_through_solid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernel/csg/departure.h"
+#include "kernel/math/roots.h"
+
+namespace lapidary {
+
+namespace {
+
+// Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same
+// for all planes, so that complements and coincident faces agree and the reversed ray sees the same.
+constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
+
+// The most spans that the surfaces of one leaf can have on the way to their intersection: a double cone has two, its
+// complement three.
+constexpr int most_surface_spans = 4;
+
+}  // namespace
+
+LineThroughSolid::LineThroughSolid(const World& world, TraceStatistics& statistics)
+    : world_(world),
+      statistics_(statistics),
+      slabs_({}, {}),
+      cached_(static_cast<std::size_t>(world.most_leaves)),
+      cached_spans_(static_cast<std::size_t>(world.most_leaves) * static_cast<std::size_t>(world.most_spans)),
+      scratch_(static_cast<std::size_t>(world.most_spans)) {}
+
+void LineThroughSolid::start(const Ray& ray) {
+    ray_ = ray;
+    origin_ = ray.origin.rounded();
+    origin_size_ = std::max({std::fabs(origin_.x), std::fabs(origin_.y), std::fabs(origin_.z)});
+    slabs_ = SlabLine(origin_, ray.direction);
+    solid_ = nullptr;
+    ++stamp_;
+}
+
+void LineThroughSolid::select(const Solid& solid) {
+    if (solid_ == &solid) return;
+    solid_ = &solid;
+    ++stamp_;
+}
+
+// Takes the ray into a leaf's space about the point closest to its centre. The origin moves along the ray in the world
+// first, in two parts, so that what is multiplied by the inverse matrix is short; one more step in the leaf's own space
+// makes the point perpendicular there, too.
+LineThroughSolid::PlacedLine LineThroughSolid::placed_line(const Leaf& leaf) const {
+    const Vector& d = ray_.direction;
+    const TwoPartVector from_centre = ray_.origin - leaf.placement.centre();
+    const double world_step = -dot(from_centre.hi, d);
+    const Vector world_closest = Vector{std::fma(world_step, d.x, from_centre.hi.x), std::fma(world_step, d.y, from_centre.hi.y),
+                                        std::fma(world_step, d.z, from_centre.hi.z)} +
+                                 from_centre.lo;
+    const Vector closest = leaf.placement.to_local(world_closest);
+    const Vector direction = leaf.placement.to_local(d);
+    const double step = -dot(closest, direction) / dot(direction, direction);
+    return {{{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
+             direction},
+            world_step + step};
+}
+
+std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
+    const auto slot = static_cast<std::size_t>(index - solid_->first_leaf);
+    CachedSpans& cached = cached_[slot];
+    Span* out = &cached_spans_[slot * static_cast<std::size_t>(world_.most_spans)];
+    if (cached.stamp != stamp_) {
+        cached.stamp = stamp_;
+        const Leaf& leaf = world_.leaves[index];
+        ++statistics_.object_tests;
+        if (leaf.first_surface >= 0) {
+            cached.count = intersect_surfaces(leaf, out);
+        } else {
+            const PlacedLine placed = placed_line(leaf);
+            cached.count = leaf.object->spans(placed.line, out);
+            for (int i = 0; i < cached.count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
+            if (ray_.departure.leaf == index) cached.count = remove_departure_root(out, cached.count, ray_.departure.inward);
+        }
+    }
+    return {out, static_cast<std::size_t>(cached.count)};
+}
+
+// A leaf that shares faces with others is the intersection of what its surfaces bound, each met at its class's t.
+int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) const {
+    std::array<Span, most_surface_spans> common{Span::all()};
+    int count = 1;
+    for (std::int32_t i = 0; i < leaf.surface_count && count > 0; ++i) {
+        std::array<Span, most_surface_spans> of_surface, both;
+        const int surface_count = surface_spans(world_.surface_uses[leaf.first_surface + i], of_surface.data());
+        int kept = 0;
+        for (int a = 0; a < count; ++a)
+            for (int b = 0; b < surface_count; ++b) {
+                const Span shared = intersect(common[a], of_surface[b]);
+                if (!shared.is_empty() && kept < most_surface_spans) both[kept++] = shared;
+            }
+        common = both;
+        count = kept;
+    }
+    count = std::min(count, world_.most_spans);
+    std::copy_n(common.begin(), count, out);
+    return count;
+}
+
+// Where the line runs on the leaf's side of a surface: by the representative's frame and numbers, so that every leaf of
+// the class gets the same bits.
+int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) const {
+    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+    const bool departing = ray_.departure.surface_class == use.surface_class;
+    int count = 0;
+    if (surface_class.surface.kind == Surface::Kind::plane) {
+        count = plane_spans(surface_class, departing, out);
+    } else {
+        const Leaf& leaf = world_.leaves[surface_class.leaf];
+        const PlacedLine placed = placed_line(leaf);
+        const Surface& surface = surface_class.surface;
+        switch (surface.kind) {
+            case Surface::Kind::cylinder:
+                out[0] = tube_span(placed.line, surface.a);
+                count = out[0].is_empty() ? 0 : 1;
+                break;
+            case Surface::Kind::cone: count = double_cone_spans(placed.line, surface.a, surface.b, out); break;
+            case Surface::Kind::torus: count = torus_spans(placed.line, surface.a, surface.b, out); break;
+            default: count = leaf.object->spans(placed.line, out); break;  // a ball is all that its sphere bounds
+        }
+        for (int i = 0; i < count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
+        if (departing) count = remove_departure_root(out, count, ray_.departure.inward);
+    }
+    return use.flipped ? complement(out, count) : count;
+}
+
+int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool departing, Span* out) const {
+    if (departing) {
+        out[0] = ray_.departure.inward ? Span{0, infinity} : Span{-infinity, 0};
+        return 1;
+    }
+    const Leaf& leaf = world_.leaves[surface_class.leaf];
+    const PlacedLine placed = placed_line(leaf);
+    const Vector normal{surface_class.surface.a, surface_class.surface.b, surface_class.surface.c};
+    const double slope = dot(normal, placed.line.direction);
+    const double distance = dot(placed.line.closest, normal) - surface_class.surface.d;
+    const double t = placed.anchor - distance / slope;
+    if (slope == 0 || !std::isfinite(t)) {
+        const bool inside = distance != 0 ? distance < 0 : dot(leaf.placement.to_parent(Normal(normal)), generic_shift) < 0;
+        out[0] = Span::all();
+        return inside ? 1 : 0;
+    }
+    out[0] = slope > 0 ? Span{-infinity, t} : Span{t, infinity};
+    return 1;
+}
+
+// Whether the point at t may be inside the box; the point carries the rounding of origin and t.
+bool LineThroughSolid::box_holds(const Bounds& box, double t) const {
+    const double rounding = 0x1p-50 * (origin_size_ + std::fabs(t));
+    const Point p = origin_ + t * ray_.direction;
+    return p.x >= box.low.x - rounding && p.x <= box.high.x + rounding && p.y >= box.low.y - rounding &&
+           p.y <= box.high.y + rounding && p.z >= box.low.z - rounding && p.z <= box.high.z + rounding;
+}
+
+// Whether the line never meets the box from t on.
+bool LineThroughSolid::box_is_missed(const Bounds& box, double t) const {
+    double near = 0;
+    const std::array<double, 3> low{box.low.x, box.low.y, box.low.z}, high{box.high.x, box.high.y, box.high.z};
+    return !slabs_.meets(low, high, t, infinity, near);
+}
+
+double LineThroughSolid::enter(std::int32_t index, double t) {
+    const Node& node = world_.nodes[index];
+    switch (node.operation) {
+        case Operation::leaf:
+            for (const Span& span : spans(node.first))
+                if (t < span.out) return std::max(t, span.in);
+            return infinity;
+        case Operation::union_:
+        case Operation::merge: {
+            double first = infinity;
+            for (std::int32_t operand : operands(node)) {
+                if (box_is_missed(world_.nodes[operand].box, t)) continue;
+                first = std::min(first, enter(operand, t));
+                if (first == t) break;
+            }
+            return first;
+        }
+        case Operation::intersection:
+            for (bool agreed = false; !agreed;) {
+                agreed = true;
+                for (std::int32_t operand : operands(node)) {
+                    const double next = enter(operand, t);
+                    if (next == infinity) return infinity;
+                    if (next != t) agreed = false;
+                    t = next;
+                }
+            }
+            return t;
+        case Operation::subtraction: {
+            const auto all = operands(node);
+            for (;;) {
+                t = enter(all[0], t);
+                if (t == infinity) return infinity;
+                double beyond = t;
+                for (std::int32_t subtrahend : all.subspan(1)) beyond = leave(subtrahend, beyond);
+                if (beyond == t || beyond == infinity) return beyond;
+                t = beyond;
+            }
+        }
+        case Operation::symdiff:
+            while (t < infinity && !inside(index, t, Side::after)) t = first_change(operands(node), t);
+            return t;
+    }
+    return infinity;
+}
+
+double LineThroughSolid::leave(std::int32_t index, double t) {
+    const Node& node = world_.nodes[index];
+    if (t == infinity || !box_holds(node.box, t)) return t;
+    switch (node.operation) {
+        case Operation::leaf:
+            for (const Span& span : spans(node.first))
+                if (span.in <= t && t < span.out) t = span.out;
+            return t;
+        case Operation::union_:
+        case Operation::merge:
+            for (bool unchanged = false; !unchanged;) {
+                unchanged = true;
+                for (std::int32_t operand : operands(node)) {
+                    const double next = leave(operand, t);
+                    if (next != t) unchanged = false;
+                    t = next;
+                }
+            }
+            return t;
+        case Operation::intersection: {
+            double first = infinity;
+            for (std::int32_t operand : operands(node)) {
+                first = std::min(first, leave(operand, t));
+                if (first == t) break;
+            }
+            return first;
+        }
+        case Operation::subtraction: {
+            const auto all = operands(node);
+            double first = leave(all[0], t);
+            for (std::int32_t subtrahend : all.subspan(1)) {
+                if (first == t) break;
+                if (!box_is_missed(world_.nodes[subtrahend].box, t)) first = std::min(first, enter(subtrahend, t));
+            }
+            return first;
+        }
+        case Operation::symdiff:
+            while (t < infinity && inside(index, t, Side::after)) t = first_change(operands(node), t);
+            return t;
+    }
+    return t;
+}
+
+double LineThroughSolid::first_change(std::span<const std::int32_t> operands, double t) {
+    double next = infinity;
+    for (std::int32_t operand : operands)
+        next = std::min(next, inside(operand, t, Side::after) ? leave(operand, t) : enter(operand, t));
+    return next;
+}
+
+bool LineThroughSolid::inside(std::int32_t index, double t, Side side) {
+    const Node& node = world_.nodes[index];
+    if (!box_holds(node.box, t)) return false;
+    const auto holds = [&](std::int32_t operand) { return inside(operand, t, side); };
+    const auto all = operands(node);
+    switch (node.operation) {
+        case Operation::leaf:
+            for (const Span& span : spans(node.first))
+                if (side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out) return true;
+            return false;
+        case Operation::union_:
+        case Operation::merge: return std::any_of(all.begin(), all.end(), holds);
+        case Operation::intersection: return std::all_of(all.begin(), all.end(), holds);
+        case Operation::subtraction: return holds(all[0]) && std::none_of(all.begin() + 1, all.end(), holds);
+        case Operation::symdiff: return std::count_if(all.begin(), all.end(), holds) % 2 == 1;
+    }
+    return false;
+}
+
+// What the cell is made of: of the operands that hold it, the one of highest priority, among equals the leftmost; for an
+// intersection and a subtraction the left operand; for a merge its one material.
+Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
+    if (!inside(index, t, side)) return {};
+    const Node& node = world_.nodes[index];
+    Label owner;
+    switch (node.operation) {
+        case Operation::leaf: owner = {world_.leaves[node.first].medium, world_.leaves[node.first].priority}; break;
+        case Operation::merge: owner.medium = node.medium; break;
+        case Operation::intersection:
+        case Operation::subtraction: owner = label(operands(node)[0], t, side); break;
+        case Operation::union_:
+        case Operation::symdiff:
+            for (std::int32_t operand : operands(node)) {
+                const Label candidate = label(operand, t, side);
+                if (candidate.is_empty()) continue;
+                if (owner.is_empty() || candidate.priority > owner.priority) owner = candidate;
+            }
+            break;
+    }
+    if (node.has_priority) owner.priority = node.priority;
+    return owner;
+}
+
+double LineThroughSolid::next_change(double t) {
+    if (!solid_->has_interfaces) return inside(t, Side::after) ? leave(t) : enter(t);
+    for (;;) {
+        // The next end of any leaf's span, and whether it makes a difference.
+        double next = infinity;
+        for (std::int32_t i = 0; i < solid_->leaf_count; ++i)
+            for (const Span& span : spans(solid_->first_leaf + i)) {
+                if (span.in > t) next = std::min(next, span.in);
+                if (span.out > t) next = std::min(next, span.out);
+            }
+        if (next == infinity || !(label(next, Side::before) == label(next, Side::after))) return next;
+        t = next;
+    }
+}
+
+std::int32_t LineThroughSolid::leaf_at(std::int32_t index, double t) {
+    const Node& node = world_.nodes[index];
+    const bool before = inside(index, t, Side::before), after = inside(index, t, Side::after);
+    if (node.operation == Operation::leaf) return before != after ? node.first : -1;
+
+    // A change of the whole is the change of an operand; the table of numerics 2.5 asks the operands in order. Going in, an
+    // operand of a union or an intersection goes in, too; a subtrahend does the opposite of the whole.
+    const auto all = operands(node);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool operand_before = inside(all[i], t, Side::before), operand_after = inside(all[i], t, Side::after);
+        if (operand_before == operand_after) continue;
+        const bool opposite = node.operation == Operation::subtraction && i > 0;
+        const bool any_change = before == after || node.operation == Operation::symdiff;
+        if (any_change || (operand_after == after) != opposite) return leaf_at(all[i], t);
+    }
+    // No operand's inside changes: the medium of one does.
+    for (std::int32_t operand : all)
+        if (!(label(operand, t, Side::before) == label(operand, t, Side::after))) return leaf_at(operand, t);
+    return -1;
+}
+
+FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
+    const Leaf& leaf = world_.leaves[index];
+    FaceHit hit;
+    hit.leaf = index;
+
+    // The frame in which the position was computed: the leaf's own, or that of the representative of its face's class.
+    std::int32_t frame = index;
+    for (std::int32_t i = 0; i < leaf.surface_count && hit.surface_class < 0; ++i) {
+        const SurfaceUse& use = world_.surface_uses[leaf.first_surface + i];
+        std::array<Span, most_surface_spans> of_surface;
+        const int count = surface_spans(use, of_surface.data());
+        if (std::any_of(of_surface.begin(), of_surface.begin() + count, [t](const Span& s) { return s.in == t || s.out == t; })) {
+            hit.face = i;
+            hit.surface_class = use.surface_class;
+            hit.class_flipped = use.flipped;
+            frame = world_.surface_classes[use.surface_class].leaf;
+        }
+    }
+
+    // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
+    const Transform& placement = world_.leaves[frame].placement;
+    const PlacedLine placed = placed_line(world_.leaves[frame]);
+    double local_t = t - placed.anchor;
+    if (hit.surface_class < 0) {
+        const int count = leaf.object->spans(placed.line, scratch_.data());
+        for (int i = 0; i < count; ++i)
+            for (double end : {scratch_[i].in, scratch_[i].out})
+                if (placed.anchor + end == t) local_t = end;
+    }
+    const Point in_frame = placed.line.at(local_t);
+    hit.point = placement.to_parent_two_part(in_frame);
+    hit.local = frame == index ? in_frame : leaf.placement.to_local(hit.point);
+    if (hit.surface_class < 0) hit.face = leaf.object->face(hit.local);
+    hit.normal = normalize(leaf.placement.to_parent(leaf.object->normal({hit.local, hit.face})));
+    return hit;
+}
+
+double LineThroughSolid::cross_sheet(std::int32_t index) {
+    if (ray_.departure.leaf == index) return infinity;
+    const Leaf& leaf = world_.leaves[index];
+    const PlacedLine placed = placed_line(leaf);
+    if (leaf.object->spans(placed.line, scratch_.data()) == 0) return infinity;
+    return placed.anchor + scratch_[0].in;
+}
+
+}  // namespace lapidary

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+//
+// Constructive solid geometry along a line.
+//
+// A leaf answers with half-open spans in <= t < out. On them every operation is evaluated by leaping: two functions,
+//
+//     enter(n, t) = smallest t' >= t inside n        leave(n, t) = smallest t' >= t outside n
+//
+//     leaf              t < out ? max(t, in) : inf            in <= t < out ? out : t
+//     union, merge      min over operands                     repeat t = leave(operand, t) until unchanged
+//     intersection      repeat t = enter(operand, t)          min over operands
+//                         until all agree
+//     a - b - c …       repeat t = enter(a, t), leave(b, t)…  min(leave(a, t), enter(b, t) …)
+//                         until unchanged
+//     symmetric         step from change to change until an odd (even) number of operands holds the point
+//
+// t only grows and only takes ends of spans as values: no lists, no sort, no allocation. An operand whose box the line
+// misses, or whose box does not hold the point, is not asked at all.
+//
+// Half-open spans are the regularised operations as soon as coincident ends are equal bit for bit, which surface classes
+// see to: abutting solids join without a face, a shared face subtracts cleanly, a solid minus itself is nothing.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/prepare/hierarchy.h"
+#include "kernel/prepare/world.h"
+#include "kernel/render/ray.h"
+#include "kernel/render/tracer.h"
+
+namespace lapidary {
+
+// The open cell of the line just before a position, or just behind it.
+enum class Side : std::uint8_t { before, after };
+
+// What a cell is made of: nothing, or the medium of the operand that owns it.
+struct Label {
+    std::int32_t medium = -1;  // in World::materials; -1: empty space
+    double priority = 0;
+
+    bool is_empty() const { return medium < 0; }
+    bool operator==(const Label& other) const { return medium == other.medium; }
+};
+
+// A face met at a known position.
+struct FaceHit {
+    std::int32_t leaf = -1;
+    std::int32_t face = 0;  // as Object::face numbers them
+    Point local;            // on the face, in the leaf's space
+    TwoPartPoint point;     // the same in the world
+    Normal normal;          // unit, in the world, out of the leaf
+    std::int32_t surface_class = -1;
+    bool class_flipped = false;  // the leaf lies outside of what the class's representative bounds
+};
+
+// One ray through one solid of the World. Owns scratch memory and is reused for many rays: start() a ray, select() a
+// solid, then ask. All answers are pure functions of ray and solid.
+class LineThroughSolid {
+public:
+    LineThroughSolid(const World& world, TraceStatistics& statistics);
+
+    void start(const Ray& ray);
+    void select(const Solid& solid);
+
+    double enter(double t) { return enter(solid_->root, t); }
+    double leave(double t) { return leave(solid_->root, t); }
+    bool inside(double t, Side side) { return inside(solid_->root, t, side); }
+    Label label(double t, Side side) { return label(solid_->root, t, side); }
+    // The first position behind t where the inside or its medium changes; infinity where nothing does.
+    double next_change(double t);
+    // The leaf whose face represents the change at t: of coincident faces the left operand's. -1 where nothing changes.
+    std::int32_t leaf_at(double t) { return leaf_at(solid_->root, t); }
+    // The face of a leaf met at t, an end of one of its spans.
+    FaceHit face_at(std::int32_t leaf, double t);
+
+    // Where the line crosses a sheet, a leaf of no solid; infinity where it does not.
+    double cross_sheet(std::int32_t leaf);
+
+private:
+    // A leaf's line in its own space; t in the world = anchor + t along the local line.
+    struct PlacedLine {
+        LocalLine line;
+        double anchor = 0;
+    };
+    struct CachedSpans {
+        std::uint64_t stamp = 0;
+        std::int32_t count = 0;
+    };
+
+    PlacedLine placed_line(const Leaf& leaf) const;
+    std::span<const Span> spans(std::int32_t leaf);
+    int intersect_surfaces(const Leaf& leaf, Span* out) const;
+    int surface_spans(const SurfaceUse& use, Span* out) const;
+    int plane_spans(const SurfaceClass& surface_class, bool departing, Span* out) const;
+
+    double enter(std::int32_t node, double t);
+    double leave(std::int32_t node, double t);
+    bool inside(std::int32_t node, double t, Side side);
+    Label label(std::int32_t node, double t, Side side);
+    std::int32_t leaf_at(std::int32_t node, double t);
+    double first_change(std::span<const std::int32_t> operands, double t);
+    bool box_holds(const Bounds& box, double t) const;
+    bool box_is_missed(const Bounds& box, double t) const;
+    std::span<const std::int32_t> operands(const Node& node) const {
+        return {world_.children.data() + node.first, static_cast<std::size_t>(node.count)};
+    }
+
+    const World& world_;
+    TraceStatistics& statistics_;
+    const Solid* solid_ = nullptr;
+    Ray ray_;
+    Point origin_;
+    double origin_size_ = 0;
+    SlabLine slabs_;
+    std::uint64_t stamp_ = 0;
+    std::vector<CachedSpans> cached_;
+    std::vector<Span> cached_spans_;
+    std::vector<Span> scratch_;
+};
+
+}  // namespace lapidary

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+//
+// A binary bounding-volume hierarchy over boxes, built by the binned surface-area heuristic.
+//
+// Boxes are stored as floats relative to an anchor, rounded outward and padded, so that no box loses a ray that the
+// double arithmetic of its contents would find.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/export.h"
+#include "kernel/math/bounds.h"
+
+namespace lapidary {
+
+class LAPIDARY_API Hierarchy {
+public:
+    // Two children with their boxes: one cache line.
+    struct alignas(64) Node {
+        std::array<std::array<float, 3>, 2> low, high;
+        std::array<std::int32_t, 2> child;  // a node; or, where negative, ~index of an item; empty: no_child
+    };
+    static constexpr std::int32_t no_child = INT32_MAX;
+
+    Hierarchy() = default;
+    // Boxes must be finite; item i of the hierarchy is items[i].
+    Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t> items);
+
+    const std::vector<Node>& nodes() const { return nodes_; }
+    const Point& anchor() const { return anchor_; }
+    bool is_empty() const { return nodes_.empty(); }
+
+    // Calls visit(item, t_near) for the items whose boxes the line from `origin` (relative to the world) meets between 0
+    // and limit, near ones first; visit returns the new limit.
+    template <class Visit>
+    void for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const;
+
+    // Calls visit(item) for the items whose boxes hold the point.
+    template <class Visit>
+    void for_each_at(const Point& point, Visit visit) const;
+
+private:
+    std::int32_t build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items, int depth);
+
+    Point anchor_;
+    std::vector<Node> nodes_;
+};
+
+// Where a line runs inside a box: entry and exit by the slab method. (b - o) / d keeps its digits where b / d - o / d
+// would not. A direction of 0 counts as 1e-300, so that an origin on the face gives 0 and not NaN. The exit is padded by a
+// few ulp (Ize 2013).
+struct SlabLine {
+    double ox, oy, oz, ix, iy, iz;
+
+    SlabLine(const Point& o, const Vector& d)
+        : ox(o.x), oy(o.y), oz(o.z), ix(finite_inverse(d.x)), iy(finite_inverse(d.y)), iz(finite_inverse(d.z)) {}
+
+    // Whether the box is met between `from` and `limit`, and where first.
+    template <class Low, class High>
+    bool meets(const Low& low, const High& high, double from, double limit, double& near) const {
+        const double x0 = (low[0] - ox) * ix, x1 = (high[0] - ox) * ix;
+        const double y0 = (low[1] - oy) * iy, y1 = (high[1] - oy) * iy;
+        const double z0 = (low[2] - oz) * iz, z1 = (high[2] - oz) * iz;
+        double t0 = from, t1 = limit;
+        narrow(x0, x1, t0, t1);
+        narrow(y0, y1, t0, t1);
+        narrow(z0, z1, t0, t1);
+        near = t0;
+        return t0 <= t1;
+    }
+
+private:
+    static double finite_inverse(double d) { return std::fabs(d) < 1e-300 ? std::copysign(1e300, d) : 1 / d; }
+    static void narrow(double a, double b, double& t0, double& t1) {
+        constexpr double padding = 1 + 8 * 0x1p-52;
+        const double first = a < b ? a : b, last = (a < b ? b : a) * padding;
+        if (first > t0) t0 = first;
+        if (last < t1) t1 = last;
+    }
+};
+
+template <class Visit>
+void Hierarchy::for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const {
+    if (nodes_.empty()) return;
+    const SlabLine line(to_point(origin - anchor_), direction);
+    struct Entry {
+        std::int32_t child;
+        double near;
+    };
+    std::array<Entry, 128> stack;
+    int size = 0;
+    stack[size++] = {0, 0};
+    while (size > 0) {
+        const Entry entry = stack[--size];
+        if (entry.near > limit) continue;
+        if (entry.child < 0) {
+            limit = visit(~entry.child, entry.near);
+            continue;
+        }
+        const Node& node = nodes_[entry.child];
+        std::array<double, 2> near{};
+        std::array<bool, 2> met{};
+        for (int i = 0; i < 2; ++i) met[i] = node.child[i] != no_child && line.meets(node.low[i], node.high[i], 0, limit, near[i]);
+        const int first = near[1] < near[0] ? 1 : 0;
+        if (met[1 - first]) stack[size++] = {node.child[1 - first], near[1 - first]};
+        if (met[first]) stack[size++] = {node.child[first], near[first]};
+    }
+}
+
+template <class Visit>
+void Hierarchy::for_each_at(const Point& point, Visit visit) const {
+    if (nodes_.empty()) return;
+    const Vector p = point - anchor_;
+    std::array<std::int32_t, 128> stack;
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+        const std::int32_t child = stack[--size];
+        if (child < 0) {
+            visit(~child);
+            continue;
+        }
+        const Node& node = nodes_[child];
+        for (int i = 0; i < 2; ++i) {
+            const auto &low = node.low[i], &high = node.high[i];
+            if (node.child[i] != no_child && p.x >= low[0] && p.x <= high[0] && p.y >= low[1] && p.y <= high[1] && p.z >= low[2] &&
+                p.z <= high[2])
+                stack[size++] = node.child[i];
+        }
+    }
+}
+
+}  // namespace lapidary
