@@ -110,20 +110,19 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) const {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const bool departing = ray_.departure.surface_class == use.surface_class;
     int count = 0;
-    if (surface_class.surface.kind == Surface::Kind::plane) {
+    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
         count = plane_spans(surface_class, departing, out);
     } else {
         const Leaf& leaf = world_.leaves[surface_class.leaf];
         const PlacedLine placed = placed_line(leaf);
         const Surface& surface = surface_class.surface;
-        switch (surface.kind) {
-            case Surface::Kind::cylinder:
-                out[0] = tube_span(placed.line, surface.a);
-                count = out[0].is_empty() ? 0 : 1;
-                break;
-            case Surface::Kind::cone: count = double_cone_spans(placed.line, surface.a, surface.b, out); break;
-            case Surface::Kind::torus: count = torus_spans(placed.line, surface.a, surface.b, out); break;
-            default: count = leaf.object->spans(placed.line, out); break;  // a ball is all that its sphere bounds
+        if (!surface_class.whole && surface.kind == Surface::Kind::cylinder) {
+            out[0] = tube_span(placed.line, surface.a);
+            count = out[0].is_empty() ? 0 : 1;
+        } else if (!surface_class.whole && surface.kind == Surface::Kind::cone) {
+            count = double_cone_spans(placed.line, surface.a, surface.b, out);
+        } else {
+            count = leaf.object->spans(placed.line, out);  // the surface bounds all of the solid
         }
         for (int i = 0; i < count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
         if (departing) count = remove_departure_root(out, count, ray_.departure.inward);
@@ -288,8 +287,8 @@ Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
     const Node& node = world_.nodes[index];
     Label owner;
     switch (node.operation) {
-        case Operation::leaf: owner = {world_.leaves[node.first].medium, world_.leaves[node.first].priority}; break;
-        case Operation::merge: owner.medium = node.medium; break;
+        case Operation::leaf: owner = {node.first, world_.leaves[node.first].medium, world_.leaves[node.first].priority}; break;
+        case Operation::merge: owner = {node.owner, node.medium, 0}; break;
         case Operation::intersection:
         case Operation::subtraction: owner = label(operands(node)[0], t, side); break;
         case Operation::union_:

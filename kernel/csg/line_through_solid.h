@@ -37,11 +37,12 @@ enum class Side : std::uint8_t { before, after };
 
 // What a cell is made of: nothing, or the medium of the operand that owns it.
 struct Label {
-    std::int32_t medium = -1;  // in World::materials; -1: empty space
+    std::int32_t owner = -1;   // the leaf (of a merge: its leftmost); -1: empty space
+    std::int32_t medium = -1;  // in World::materials
     double priority = 0;
 
-    bool is_empty() const { return medium < 0; }
-    bool operator==(const Label& other) const { return medium == other.medium; }
+    bool is_empty() const { return owner < 0; }
+    bool operator==(const Label& other) const { return owner == other.owner; }
 };
 
 // A face met at a known position.

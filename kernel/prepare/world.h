@@ -23,7 +23,7 @@ namespace lapidary {
 
 // A material where it stands in the world.
 struct MaterialInstance {
-    const Material* material = nullptr;
+    const Material* material = nullptr;  // null: white, as objects without material are
     Transform placement;     // from the material's space to the world
     double scale = 1;        // a length in the world times this is about its length in the material's space
     bool is_uniform = false;
@@ -42,6 +42,7 @@ struct SurfaceUse {
 struct SurfaceClass {
     std::int32_t leaf = -1;  // the representative's
     Surface surface;         // in that leaf's space
+    bool whole = false;      // a solid without known faces, shared with copies of itself
 };
 
 struct Leaf {
@@ -53,7 +54,7 @@ struct Leaf {
     double priority = 0;
     std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
     std::int32_t surface_count = 0;
-    std::int32_t number = 0;     // of the object for the `object` layer, from 1 in the order of writing
+    std::int32_t number = 0;  // of the object for the `object` layer, from 1 in the order of writing
     Place place;
 };
 
@@ -64,7 +65,7 @@ struct Node {
     Bounds box;
     bool has_priority = false;
     double priority = 0;
-    std::int32_t medium = -1;  // of a merge: the one material of its inside
+    std::int32_t owner = -1, medium = -1;  // of a merge: its leftmost leaf and the one material of its inside
 };
 
 struct Solid {
@@ -108,7 +109,6 @@ public:
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;
-    std::vector<std::shared_ptr<const Material>> owned_materials;  // the kernel's own plain ones
     std::vector<std::shared_ptr<const Light>> lights;              // with direction
     std::vector<std::shared_ptr<const Light>> ambient_lights;
     Colour background;

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+//
+// Scene -> World: one walk down the trees accumulates transforms, materials and priorities to the leaves; one walk up
+// combines the parts that are left.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "kernel/prepare/draft.h"
+#include "kernel/prepare/surface_classes.h"
+#include "kernel/prepare/world.h"
+
+namespace lapidary {
+
+namespace {
+
+constexpr std::int32_t no_material = -1;
+
+// The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off.
+Bounds padded_box(const Leaf& leaf) {
+    Bounds box = leaf.placement.to_parent(leaf.object->bounds());
+    const double padding = 2 * coincidence_tolerance(largest_coordinate(box), box.is_finite() ? length(box.diagonal()) : 0);
+    const Vector pad{padding, padding, padding};
+    return {box.low - pad, box.high + pad};
+}
+
+class Preparer {
+public:
+    Preparer(const Scene& scene, World& world, Messages& messages) : scene_(scene), world_(world), messages_(messages) {}
+
+    void run() {
+        world_.root = scene_.root;
+        world_.background = scene_.background;
+        world_.materials.emplace_back();  // what objects without material are made of
+        world_.materials.back().is_uniform = true;
+        world_.materials.back().number = 1;
+        for (const SceneLight& light : scene_.lights) {
+            (light.light->is_ambient() ? world_.ambient_lights : world_.lights).push_back(light.light);
+            world_.features.extended_lights |= light.light->has_extent();
+        }
+        if (scene_.root) draft_top_level(*scene_.root, Surroundings{});
+        emit_everything();
+        for (const Solid& solid : world_.solids)
+            if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
+        recognise_coincident_surfaces(world_, messages_);
+        build_hierarchy();
+        note_features();
+    }
+
+private:
+    // What the blocks around a node hand down to it.
+    struct Surroundings {
+        ExactTransform to_world;
+        std::int32_t medium = no_material;      // the default for leaves without a material of their own
+        std::int32_t appearance = no_material;  // the same, from within the innermost operand that cuts
+        bool cuts = false;                      // below the right operand of a subtraction or an intersection
+    };
+
+    Surroundings enter_node(const SceneNode& node, const Surroundings& around) {
+        Surroundings here = around;
+        if (!node.factors.empty()) here.to_world = node.transform.then(around.to_world);
+        if (node.material) here.medium = here.appearance = place_material(*node.material, here.to_world);
+        return here;
+    }
+
+    // A union at the top is a list; what stands in it is split further.
+    void draft_top_level(const SceneNode& node, const Surroundings& around) {
+        if (node.operation == Operation::union_ && !node.priority) {
+            const Surroundings here = enter_node(node, around);
+            for (const SceneNodePtr& operand : node.operands) draft_top_level(*operand, here);
+            return;
+        }
+        std::vector<SheetDraft> sheets;
+        if (const DraftPtr draft = draft_node(node, around, sheets)) split_into_solids(draft, solids_);
+        for (SheetDraft& sheet : sheets) {
+            sheet.order = static_cast<std::int32_t>(solids_.size());
+            sheets_.push_back(std::move(sheet));
+        }
+    }
+
+    // Null where the node is empty. Sheets below it are put into `sheets`, clipped by what they meet on the way up.
+    DraftPtr draft_node(const SceneNode& node, const Surroundings& around, std::vector<SheetDraft>& sheets) {
+        const Surroundings here = enter_node(node, around);
+        if (node.operation == Operation::leaf) return draft_leaf(node, here, sheets);
+
+        const bool right_cuts = node.operation == Operation::subtraction || node.operation == Operation::intersection;
+        std::vector<DraftPtr> operands;
+        std::vector<std::vector<SheetDraft>> operand_sheets(node.operands.size());
+        for (std::size_t i = 0; i < node.operands.size(); ++i) {
+            Surroundings inner = here;
+            if (right_cuts && i > 0) inner.cuts = true, inner.appearance = no_material;
+            operands.push_back(draft_node(*node.operands[i], inner, operand_sheets[i]));
+        }
+        for (std::size_t i = 0; i < operands.size(); ++i) clip_sheets(node.operation, i, operands, operand_sheets[i], sheets);
+        const std::int32_t medium = node.operation == Operation::merge && node.material ? here.medium : no_material;
+        return combine(node.operation, std::move(operands), node.priority, medium);
+    }
+
+    DraftPtr draft_leaf(const SceneNode& node, const Surroundings& here, std::vector<SheetDraft>& sheets) {
+        auto draft = std::make_shared<Draft>();
+        Leaf& leaf = draft->leaf;
+        leaf.object = node.object;
+        leaf.placement = Transform(here.to_world);
+        leaf.medium = std::max(here.medium, 0);
+        leaf.appearance = here.appearance != no_material ? here.appearance : here.cuts ? no_material : leaf.medium;
+        leaf.priority = node.priority.value_or(0);
+        leaf.number = ++leaf_number_;
+        leaf.place = node.place;
+        leaf.box = padded_box(leaf);
+        draft->box = leaf.box;
+        world_.most_spans = std::max(world_.most_spans, leaf.object->max_spans());
+        if (leaf.object->is_sheet()) {
+            SheetDraft sheet;
+            sheet.leaf = leaf;
+            sheet.leaf.appearance = leaf.medium;
+            sheets.push_back(std::move(sheet));
+            return nullptr;
+        }
+        return draft;
+    }
+
+    // A sheet has no inside: it takes part in no operation, but is seen only where the operands beside it let it be.
+    void clip_sheets(Operation operation, std::size_t own, const std::vector<DraftPtr>& operands, std::vector<SheetDraft>& from,
+                     std::vector<SheetDraft>& to) {
+        for (SheetDraft& sheet : from) {
+            if (operation == Operation::subtraction && own > 0) {
+                messages_.warning(sheet.leaf.place,
+                                  "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
+                continue;
+            }
+            if (operation == Operation::subtraction || operation == Operation::intersection)
+                for (std::size_t i = 0; i < operands.size(); ++i)
+                    if (i != own) sheet.conditions.push_back({operands[i], operation == Operation::intersection});
+            to.push_back(std::move(sheet));
+        }
+    }
+
+    std::int32_t place_material(const SceneMaterial& scene_material, const ExactTransform& to_world) {
+        const Material& material = *scene_material.material;
+        const auto [known, is_new] = uniform_.try_emplace(&scene_material, static_cast<std::int32_t>(world_.materials.size()));
+        if (!is_new && material.is_uniform()) return known->second;
+
+        MaterialInstance instance;
+        instance.material = &material;
+        instance.number = is_new ? ++material_number_ : world_.materials[known->second].number;
+        instance.is_uniform = material.is_uniform();
+        instance.may_be_transparent = material.may_be_transparent();
+        world_.features.reflection |= material.may_reflect();
+        world_.features.relief |= material.may_have_relief();
+        if (instance.is_uniform) {
+            instance.matter = material.evaluate({});
+        } else {
+            instance.placement = Transform(to_world);
+            const Matrix3& m = instance.placement.inverse_linear();
+            const Vector r0{m[0][0], m[0][1], m[0][2]}, r1{m[1][0], m[1][1], m[1][2]}, r2{m[2][0], m[2][1], m[2][2]};
+            instance.scale = std::cbrt(std::fabs(dot(cross(r0, r1), r2)));
+        }
+        world_.materials.push_back(std::move(instance));
+        return static_cast<std::int32_t>(world_.materials.size()) - 1;
+    }
+
+    void emit_everything() {
+        for (const DraftPtr& draft : solids_) world_.solids.push_back(emit_solid(*draft));
+        for (SheetDraft& draft : sheets_) {
+            Sheet sheet;
+            sheet.order = draft.order;
+            bool visible = true;
+            for (const SheetDraft::Condition& condition : draft.conditions) {
+                if (condition.clip) {
+                    sheet.conditions.push_back({static_cast<std::int32_t>(world_.clips.size()), condition.inside});
+                    world_.clips.push_back(emit_solid(*condition.clip));
+                } else if (condition.inside) {
+                    visible = false;  // clipped to the empty set
+                }
+            }
+            if (!visible) continue;
+            sheet.leaf = static_cast<std::int32_t>(world_.leaves.size());
+            world_.leaves.push_back(std::move(draft.leaf));
+            world_.sheets.push_back(std::move(sheet));
+        }
+    }
+
+    Solid emit_solid(const Draft& draft) {
+        Solid solid;
+        const std::size_t first_node = world_.nodes.size();
+        solid.first_leaf = static_cast<std::int32_t>(world_.leaves.size());
+        solid.root = emit_node(draft);
+        solid.leaf_count = static_cast<std::int32_t>(world_.leaves.size()) - solid.first_leaf;
+        solid.box = draft.box;
+        for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
+            const Leaf& leaf = world_.leaves[solid.first_leaf + i];
+            solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;
+        }
+        for (std::size_t i = first_node; i < world_.nodes.size(); ++i) {
+            const Node& node = world_.nodes[i];
+            if (node.medium >= 0) solid.may_be_transparent |= world_.materials[node.medium].may_be_transparent;
+            solid.has_interfaces |= node.operation == Operation::union_ || node.operation == Operation::symdiff;
+        }
+        world_.most_leaves = std::max(world_.most_leaves, solid.leaf_count);
+        return solid;
+    }
+
+    // Operands first, so that a node's index is above those of its operands.
+    std::int32_t emit_node(const Draft& draft) {
+        Node node;
+        node.operation = draft.operation;
+        node.box = draft.box;
+        node.has_priority = draft.priority.has_value();
+        node.priority = draft.priority.value_or(0);
+        if (draft.operation == Operation::leaf) {
+            node.first = static_cast<std::int32_t>(world_.leaves.size());
+            world_.leaves.push_back(draft.leaf);
+        } else {
+            const auto leftmost = static_cast<std::int32_t>(world_.leaves.size());
+            std::vector<std::int32_t> operands;
+            for (const DraftPtr& operand : draft.operands) operands.push_back(emit_node(*operand));
+            node.first = static_cast<std::int32_t>(world_.children.size());
+            node.count = static_cast<std::int32_t>(operands.size());
+            world_.children.insert(world_.children.end(), operands.begin(), operands.end());
+            if (draft.operation == Operation::merge) {
+                node.owner = leftmost;
+                node.medium = draft.medium >= 0 ? draft.medium : world_.leaves[leftmost].medium;
+            }
+        }
+        world_.nodes.push_back(node);
+        return static_cast<std::int32_t>(world_.nodes.size()) - 1;
+    }
+
+    // Boxes so large that floats cannot hold them go to the list that is always asked.
+    void build_hierarchy() {
+        constexpr double largest = 1e30;
+        std::vector<Bounds> boxes;
+        std::vector<std::int32_t> items;
+        for (std::size_t i = 0; i < world_.solids.size(); ++i) {
+            const Bounds& box = world_.solids[i].box;
+            if (box.is_finite() && largest_coordinate(box) < largest) {
+                boxes.push_back(box);
+                items.push_back(static_cast<std::int32_t>(i));
+            } else {
+                world_.unbounded.push_back(static_cast<std::int32_t>(i));
+            }
+        }
+        world_.hierarchy = Hierarchy(boxes, items);
+    }
+
+    void note_features() {
+        for (const Solid& solid : world_.solids) world_.features.transparency |= solid.may_be_transparent;
+        for (const Sheet& sheet : world_.sheets)
+            world_.features.transparency |= world_.materials[world_.leaves[sheet.leaf].medium].may_be_transparent;
+        world_.features.sheets = !world_.sheets.empty();
+    }
+
+    const Scene& scene_;
+    World& world_;
+    Messages& messages_;
+    std::vector<DraftPtr> solids_;
+    std::vector<SheetDraft> sheets_;
+    std::unordered_map<const SceneMaterial*, std::int32_t> uniform_;
+    std::int32_t leaf_number_ = 0, material_number_ = 1;
+};
+
+}  // namespace
+
+std::string Features::describe() const {
+    std::string text;
+    const auto add = [&text](bool present, std::string_view name) {
+        if (present) text += (text.empty() ? "" : ", ") + std::string(name);
+    };
+    add(transparency, "transparency");
+    add(reflection, "reflection");
+    add(relief, "relief");
+    add(sheets, "sheets");
+    add(shared_surfaces, "coincident faces");
+    add(extended_lights, "lights with extent");
+    return text.empty() ? "none" : text;
+}
+
+std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages) {
+    auto world = std::make_shared<World>();
+    Preparer(scene, *world, messages).run();
+    return world;
+}
+
+}  // namespace lapidary
