@@ -38,9 +38,9 @@ public:
     template <class Visit>
     void for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const;
 
-    // Calls visit(item) for the items whose boxes hold the point.
+    // Calls visit(item) for the items whose boxes hold the point, to within `slack`, its own rounding.
     template <class Visit>
-    void for_each_at(const Point& point, Visit visit) const;
+    void for_each_at(const Point& point, double slack, Visit visit) const;
 
 private:
     std::int32_t build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items, int depth);
@@ -111,7 +111,7 @@ void Hierarchy::for_each_along(const Point& origin, const Vector& direction, dou
 }
 
 template <class Visit>
-void Hierarchy::for_each_at(const Point& point, Visit visit) const {
+void Hierarchy::for_each_at(const Point& point, double slack, Visit visit) const {
     if (nodes_.empty()) return;
     const Vector p = point - anchor_;
     std::array<std::int32_t, 128> stack;
@@ -126,8 +126,8 @@ void Hierarchy::for_each_at(const Point& point, Visit visit) const {
         const Node& node = nodes_[child];
         for (int i = 0; i < 2; ++i) {
             const auto &low = node.low[i], &high = node.high[i];
-            if (node.child[i] != no_child && p.x >= low[0] && p.x <= high[0] && p.y >= low[1] && p.y <= high[1] && p.z >= low[2] &&
-                p.z <= high[2])
+            if (node.child[i] != no_child && p.x >= low[0] - slack && p.x <= high[0] + slack && p.y >= low[1] - slack &&
+                p.y <= high[1] + slack && p.z >= low[2] - slack && p.z <= high[2] + slack)
                 stack[size++] = node.child[i];
         }
     }

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/csg/ray_through_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lapidary {
+
+void RayThroughWorld::start(const Ray& ray) {
+    ray_ = ray;
+    origin_ = ray.origin.rounded();
+    origin_size_ = std::max({std::fabs(origin_.x), std::fabs(origin_.y), std::fabs(origin_.z)});
+    line_.start(ray);
+}
+
+template <class Visit>
+void RayThroughWorld::for_each_solid_at(double t, Visit visit) {
+    const auto select_and_visit = [&](std::int32_t solid) {
+        line_.select(world_.solids[solid]);
+        visit(solid);
+    };
+    for (std::int32_t solid : world_.unbounded) select_and_visit(solid);
+    world_.hierarchy.for_each_at(origin_ + t * ray_.direction, slack(t), select_and_visit);
+}
+
+// Of the solids that hold the point, the one of highest priority, among equals the first in the order of writing.
+Label RayThroughWorld::label(double t, Side side) {
+    Label owner;
+    std::int32_t owner_solid = -1;
+    for_each_solid_at(t, [&](std::int32_t solid) {
+        const Label candidate = line_.label(t, side);
+        if (candidate.is_empty()) return;
+        const bool wins = owner.is_empty() || candidate.priority > owner.priority ||
+                          (candidate.priority == owner.priority && solid < owner_solid);
+        if (wins) owner = candidate, owner_solid = solid;
+    });
+    return owner;
+}
+
+double RayThroughWorld::next_change(std::int32_t solid, double from) {
+    line_.select(world_.solids[solid]);
+    if (world_.features.transparency) return line_.next_change(from);
+    const double t = line_.enter(from);
+    return t > from ? t : line_.leave(from);
+}
+
+Boundary RayThroughWorld::next(double from) {
+    Boundary first;
+    const auto visit = [&](std::int32_t solid) {
+        const double t = next_change(solid, from);
+        if (t > from && (t < first.t || (t == first.t && solid < first.solid && t < infinity))) first.t = t, first.solid = solid;
+        return first.t;
+    };
+    for (std::int32_t solid : world_.unbounded) visit(solid);
+    world_.hierarchy.for_each_along(origin_, ray_.direction, first.t, [&](std::int32_t solid, double) { return visit(solid); });
+
+    for (const Sheet& sheet : world_.sheets) {
+        const double t = line_.cross_sheet(sheet.leaf);
+        const bool is_first = t < first.t || (t == first.t && (first.is_sheet() ? false : sheet.order <= first.solid));
+        if (t > from && t < infinity && is_first && is_seen(sheet, t)) first = {t, -1, sheet.leaf, {}, {}};
+    }
+    if (first.t == infinity) return first;
+
+    if (world_.features.transparency) {
+        first.before = label(first.t, Side::before);
+        first.after = label(first.t, Side::after);
+        // Where several solids change at once, the face is that of the first in the order of writing.
+        if (!first.is_sheet()) {
+            for_each_solid_at(first.t, [&](std::int32_t solid) {
+                const bool earlier = first.leaf < 0 || solid < first.solid;
+                if (!earlier) return;
+                if (const std::int32_t leaf = line_.leaf_at(first.t); leaf >= 0) first.leaf = leaf, first.solid = solid;
+            });
+        }
+    } else if (!first.is_sheet()) {
+        line_.select(world_.solids[first.solid]);
+        first.leaf = line_.leaf_at(first.t);
+        if (first.leaf >= 0 && world_.leaves[first.leaf].appearance < 0) {
+            first.before = line_.label(first.t, Side::before);
+            first.after = line_.label(first.t, Side::after);
+        }
+    }
+    return first;
+}
+
+FaceHit RayThroughWorld::face_of(const Boundary& boundary) { return line_.face_at(boundary.leaf, boundary.t); }
+
+// A sheet is seen where every operand that clips it lets it be. Clips are closed sets: a sheet in their boundary is inside.
+bool RayThroughWorld::is_seen(const Sheet& sheet, double t) {
+    return std::all_of(sheet.conditions.begin(), sheet.conditions.end(), [&](const Sheet::Condition& condition) {
+        line_.select(world_.clips[condition.solid]);
+        const bool inside = line_.inside(t, Side::before) || line_.inside(t, Side::after);
+        return inside == condition.inside;
+    });
+}
+
+bool RayThroughWorld::is_blocked(double distance) {
+    bool blocked = false;
+    const auto visit = [&](std::int32_t solid) {
+        line_.select(world_.solids[solid]);
+        blocked = line_.enter(0) < distance;
+        return blocked ? -1.0 : distance;
+    };
+    for (std::int32_t solid : world_.unbounded)
+        if (visit(solid) < 0) return true;
+    world_.hierarchy.for_each_along(origin_, ray_.direction, distance, [&](std::int32_t solid, double) { return visit(solid); });
+    if (blocked) return true;
+    return std::any_of(world_.sheets.begin(), world_.sheets.end(), [&](const Sheet& sheet) {
+        const double t = line_.cross_sheet(sheet.leaf);
+        return t > 0 && t < distance && is_seen(sheet, t);
+    });
+}
+
+}  // namespace lapidary

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// A ray through all solids of the World: where matter begins, ends or changes, and whether anything is in the way.
+//
+// The medium on each side of a face is read from the set of solids that hold the point, never from a stack carried along
+// the path: nothing to corrupt, nothing to initialise for a camera inside.
+#pragma once
+
+#include "kernel/csg/line_through_solid.h"
+
+namespace lapidary {
+
+// A place on the ray where what a point is made of may change, or a sheet.
+struct Boundary {
+    double t = infinity;       // infinity: nothing ahead
+    std::int32_t solid = -1;   // in World::solids; -1 for a sheet
+    std::int32_t leaf = -1;    // whose face it is
+    Label before, after;       // of the whole World; in an opaque World, of the one solid
+    bool is_sheet() const { return leaf >= 0 && solid < 0; }
+};
+
+class RayThroughWorld {
+public:
+    RayThroughWorld(const World& world, TraceStatistics& statistics) : world_(world), line_(world, statistics) {}
+
+    void start(const Ray& ray);
+
+    // What the ray is in at t, on one side of it.
+    Label label(double t, Side side);
+    // The first boundary behind `from`; where nothing is transparent, `from` is the start of the ray.
+    Boundary next(double from);
+    // The face of a boundary.
+    FaceHit face(const Boundary& boundary) { return face_of(boundary); }
+
+    // Whether any solid or sheet lies between the start and `distance`, for a World in which all are opaque.
+    bool is_blocked(double distance);
+
+private:
+    double next_change(std::int32_t solid, double from);
+    bool is_seen(const Sheet& sheet, double t);
+    FaceHit face_of(const Boundary& boundary);
+    double slack(double t) const { return 0x1p-50 * (origin_size_ + std::fabs(t)); }
+    template <class Visit>
+    void for_each_solid_at(double t, Visit visit);
+
+    const World& world_;
+    LineThroughSolid line_;
+    Ray ray_;
+    Point origin_;
+    double origin_size_ = 0;
+};
+
+}  // namespace lapidary

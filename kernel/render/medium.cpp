@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/render/medium.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lapidary {
+
+namespace {
+
+double largest_component(const Point& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+// What is left of light after a length of uniform matter. Colour 1 lets everything through, however long the way.
+Colour transmittance(const Matter& matter, double length) {
+    const auto channel = [&](double c) { return c >= 1 ? 1.0 : std::pow(std::fmax(c, 0), length / matter.depth); };
+    return {channel(matter.colour.r), channel(matter.colour.g), channel(matter.colour.b)};
+}
+
+// The absorption per length, as a colour; opaque matter counts as clear here, its faces stop the ray.
+Colour absorption(const Material& material, const MaterialLine& line, double t) {
+    const Matter matter = material.evaluate({line.at(t), 0});
+    if (!matter.is_transparent()) return Colour::black();
+    const auto channel = [&](double c) { return c >= 1 ? 0.0 : -std::log(std::fmax(c, 1e-300)) / matter.depth; };
+    return {channel(matter.colour.r), channel(matter.colour.g), channel(matter.colour.b)};
+}
+
+// Gauss-Legendre of five points on [t0, t1].
+Colour integrate_once(const Material& material, const MaterialLine& line, double t0, double t1) {
+    constexpr std::array<double, 5> nodes{0, -0.5384693101056831, 0.5384693101056831, -0.9061798459386640, 0.9061798459386640};
+    constexpr std::array<double, 5> weights{0.5688888888888889, 0.4786286704993665, 0.4786286704993665, 0.2369268850561891,
+                                            0.2369268850561891};
+    const double middle = 0.5 * (t0 + t1), half = 0.5 * (t1 - t0);
+    Colour sum;
+    for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * absorption(material, line, middle + half * nodes[i]);
+    return half * sum;
+}
+
+// Halves the stretch until two halves agree with the whole: at once where the matter is constant, which is the rule between
+// two boundaries.
+Colour integrate(const Material& material, const MaterialLine& line, double t0, double t1, const Colour& whole, int depth) {
+    const double middle = 0.5 * (t0 + t1);
+    const Colour left = integrate_once(material, line, t0, middle), right = integrate_once(material, line, middle, t1);
+    const Colour sum = left + right, change = sum - whole;
+    const double apart = std::max({std::fabs(change.r), std::fabs(change.g), std::fabs(change.b)});
+    if (depth == 0 || apart <= 1e-12 + 1e-11 * largest(sum)) return sum;
+    return integrate(material, line, t0, middle, left, depth - 1) + integrate(material, line, middle, t1, right, depth - 1);
+}
+
+}  // namespace
+
+Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward) {
+    if (instance.is_uniform) return instance.matter;
+    const Point p = instance.placement.to_local(site.point);
+    const double footprint = site.footprint * instance.scale;
+    const double step = 1e-6 * footprint + 0x1p-40 * largest_component(p);
+    return instance.material->evaluate({p + step * normalize(instance.placement.to_local(toward)), footprint});
+}
+
+double rounding_length(const MaterialLine& line) {
+    return 0x1p-44 * (largest_component(line.origin) + 0x1p-10) / length(line.direction);
+}
+
+Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {
+    if (instance.is_uniform) return transmittance(instance.matter, t1 - t0);
+    if (t1 == infinity) return transmittance(instance.material->evaluate({line.at(t0), 0}), infinity);
+    const Colour whole = integrate_once(*instance.material, line, t0, t1);
+    const Colour depth = integrate(*instance.material, line, t0, t1, whole, 20);
+    return {std::exp(-depth.r), std::exp(-depth.g), std::exp(-depth.b)};
+}
+
+}  // namespace lapidary

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+//
+// Matter along a ray: what a material is at a point, where it changes abruptly, and how much light a stretch of it lets
+// through.
+#pragma once
+
+#include <cmath>
+
+#include "kernel/prepare/world.h"
+
+namespace lapidary {
+
+// A place where matter is asked for.
+struct MatterSite {
+    TwoPartPoint point;
+    double footprint = 0;  // about the width of a pixel there, in world units
+};
+
+// The matter of a material just off a surface, on the side that `toward` points to (a unit vector). A solid texture colours
+// matter, not surfaces: sampling it inside keeps a checker from speckling on a face that lies on the checker's own boundary.
+// The step is a millionth of a pixel, and above the rounding of the point.
+Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);
+
+// The ray in a material's space: the same t as in the world.
+inline MaterialLine material_line(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction) {
+    return {instance.placement.to_local(origin), instance.placement.to_local(direction)};
+}
+
+// A length along the line within which a boundary at its start is indistinguishable from the start itself.
+double rounding_length(const MaterialLine& line);
+
+// The fraction of light that a transparent material lets through from t0 to t1: Beer-Lambert, colour^(length / depth),
+// integrated where the material varies. Exactly 1 for what does not absorb, at any length.
+Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1);
+
+}  // namespace lapidary

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// Reflection and refraction of rays at a smooth face.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "kernel/math/vector.h"
+
+namespace lapidary {
+
+// Takes the drift of rounding out of a vector that is of unit length but for rounding: one Newton step.
+inline Vector renormalize(const Vector& v) { return (1.5 - 0.5 * dot(v, v)) * v; }
+
+// The direction mirrored at a plane with unit normal n.
+inline Vector mirror(const Vector& direction, const Normal& n) {
+    return renormalize(direction - 2 * dot(direction, n) * to_vector(n));
+}
+
+// The refracted direction (Snell's law), for a unit direction, a unit normal against it and eta = index before / index behind;
+// nothing at total reflection. The sine is taken from the cross product: near the critical angle 1 - eta^2 sin^2 factored as
+// (1 - eta s)(1 + eta s) keeps digits that 1 - eta^2 (1 - c^2) loses.
+inline std::optional<Vector> refract(const Vector& direction, const Normal& n, double eta) {
+    const double sine = length(cross(direction, to_vector(n)));
+    const double squared_cosine = (1 - eta * sine) * (1 + eta * sine);
+    if (!(squared_cosine > 0)) return std::nullopt;
+    const double cosine = -dot(direction, n);
+    return renormalize(eta * direction + (eta * cosine - std::sqrt(squared_cosine)) * to_vector(n));
+}
+
+// The part of unpolarised light that is reflected at a face between two indices (Fresnel), for a unit direction and a unit
+// normal against it; 1 beyond the critical angle.
+inline double fresnel_reflectance(const Vector& direction, const Normal& n, double index_before, double index_behind) {
+    if (index_before == index_behind) return 0;
+    const double sine = index_before / index_behind * length(cross(direction, to_vector(n)));
+    const double squared_cosine = (1 - sine) * (1 + sine);
+    if (!(squared_cosine > 0)) return 1;
+    const double cosine = std::fabs(dot(direction, n)), cosine_behind = std::sqrt(squared_cosine);
+    const double perpendicular =
+        (index_before * cosine - index_behind * cosine_behind) / (index_before * cosine + index_behind * cosine_behind);
+    const double parallel =
+        (index_behind * cosine - index_before * cosine_behind) / (index_behind * cosine + index_before * cosine_behind);
+    return 0.5 * (perpendicular * perpendicular + parallel * parallel);
+}
+
+}  // namespace lapidary

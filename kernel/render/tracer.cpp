@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/render/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "kernel/csg/ray_through_world.h"
+#include "kernel/interfaces/light.h"
+#include "kernel/prepare/world.h"
+#include "kernel/render/medium.h"
+#include "kernel/render/optics.h"
+#include "kernel/render/sampler.h"
+#include "kernel/scene/scene.h"
+
+namespace lapidary {
+
+namespace {
+
+// A path on its way: how much it counts in the pixel, how many faces have turned it, how far it has come.
+struct Path {
+    double weight = 1;
+    int depth = 0;
+    double travelled = 0;
+};
+
+// A place where the ray meets a face of a solid or a boundary within matter, with all that shading asks.
+struct Encounter {
+    TwoPartPoint point;
+    Normal geometric;  // unit, toward the viewer
+    Normal shading;    // the same, bent by the relief
+    Matter matter;     // of the surface
+    double index_before = 1, index_behind = 1;
+    bool is_sheet = false;
+    double travelled = 0;  // by the path, up to here
+
+    // What rays that start here depart from; `outward` is the leaf's normal.
+    Departure departure;
+    Normal outward;
+};
+
+}  // namespace
+
+TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
+    camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
+    shadow_rays += o.shadow_rays, shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
+    non_finite_samples += o.non_finite_samples, first_cell_disagreements += o.first_cell_disagreements;
+    march_steps += o.march_steps;
+    return *this;
+}
+
+struct Tracer::Implementation {
+    Implementation(const World& w, const RenderSettings& s, double footprint)
+        : world(w), settings(s), pixel_footprint(footprint), ray_through_world(w, statistics), shadow_through_world(w, statistics) {}
+
+    const World& world;
+    const RenderSettings& settings;
+    double pixel_footprint;
+    TraceStatistics statistics;
+    RayThroughWorld ray_through_world, shadow_through_world;
+    std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
+
+    Colour radiance(const Ray& ray, const Path& path, RaySample* first);
+    Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
+    Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path);
+
+    std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
+    std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing, double travelled);
+    void bend_normal(const Ray& ray, const Normal& relief, Encounter& encounter) const;
+    double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
+
+    struct Lit {
+        Colour ambient, diffuse, highlight;
+    };
+    Lit light(const Ray& ray, const Encounter& encounter);
+    Colour light_through(const Ray& shadow, double distance);
+    Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
+};
+
+namespace {
+
+// The world normal of a gradient in a material's space; black where the matter has no relief.
+Normal relief_in_world(const MaterialInstance& instance, const Matter& matter) {
+    return instance.placement.to_parent(Normal(matter.relief));
+}
+
+// A face that neither bends, mirrors nor covers what is behind it.
+bool lets_pass(const Encounter& e) {
+    return e.matter.is_transparent() && e.index_before == e.index_behind && e.matter.opacity == 0 && e.matter.reflection == 0;
+}
+
+}  // namespace
+
+// The index of a side of a face: of the medium just off the point, 1 in empty space.
+double Tracer::Implementation::index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const {
+    if (label.is_empty()) return 1;
+    const Matter matter = known ? *known : matter_beside(world.materials[label.medium], site, toward);
+    return matter.is_transparent() ? matter.refraction : 1;
+}
+
+// n - (relief - (relief . n) n), normalised; a normal that would face away from the viewer is bent back to the horizon.
+void Tracer::Implementation::bend_normal(const Ray& ray, const Normal& relief, Encounter& e) const {
+    const Vector n = to_vector(e.geometric), g = to_vector(relief);
+    Vector bent = normalize(n - (g - dot(g, n) * n));
+    const double away = dot(bent, ray.direction);
+    if (away > 0) bent = normalize(bent - away * ray.direction);
+    if (length_squared(bent) > 0) e.shading = Normal(bent);
+}
+
+// What the ray meets at a boundary of the World: the matter of the face by section 6.3, the media on its two sides.
+// Nothing where the boundary shows no face (a tie that rounding undid).
+std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, const Boundary& boundary, double travelled,
+                                                               RaySample* first) {
+    if (boundary.leaf < 0) return std::nullopt;
+    const Leaf& leaf = world.leaves[boundary.leaf];
+    const FaceHit face = ray_through_world.face(boundary);
+
+    Encounter e;
+    e.point = face.point;
+    e.outward = face.normal;
+    e.geometric = dot(face.normal, ray.direction) > 0 ? -face.normal : face.normal;
+    e.shading = e.geometric;
+    e.is_sheet = boundary.is_sheet();
+    e.travelled = travelled + boundary.t;
+    e.departure.leaf = boundary.leaf;
+    e.departure.surface_class = face.surface_class;
+    if (face.class_flipped) e.outward = -face.normal;  // of a shared surface, sides are those of its representative
+
+    // The face shows its own material, else the innards; matter is sampled on its solid side.
+    const MatterSite site{e.point, pixel_footprint * e.travelled};
+    const Vector beyond = -to_vector(e.geometric);
+    const bool enters = dot(face.normal, ray.direction) < 0;
+    const bool solid_beyond = world.features.transparency && !e.is_sheet ? !boundary.after.is_empty() : enters;
+    std::int32_t shown = leaf.appearance;
+    if (shown < 0) shown = !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
+    if (shown < 0) return std::nullopt;
+    e.matter = matter_beside(world.materials[shown], site, solid_beyond ? beyond : -beyond);
+
+    if (world.features.transparency) {
+        // Opaque matter behind a transparent face that coincides with it is what is seen.
+        if (e.matter.is_transparent() && !boundary.after.is_empty() && boundary.after.medium != shown) {
+            const Matter behind = matter_beside(world.materials[boundary.after.medium], site, beyond);
+            if (!behind.is_transparent()) e.matter = behind, shown = boundary.after.medium;
+        }
+        if (e.matter.is_transparent()) {
+            const bool known_behind = solid_beyond && boundary.after.medium == shown;
+            e.index_behind = index_of(boundary.after, site, beyond, known_behind ? &e.matter : nullptr);
+            e.index_before = index_of(boundary.before, site, -beyond, nullptr);
+        }
+    }
+    if (world.features.relief) bend_normal(ray, relief_in_world(world.materials[shown], e.matter), e);
+    if (first && first->object == 0) {
+        first->depth = e.travelled;
+        first->normal = e.shading;
+        first->position = e.point.rounded();
+        first->object = leaf.number;
+        first->material = world.materials[shown].number;
+    }
+    return e;
+}
+
+// What the ray meets where a textured medium changes: the same as at a face, with the boundary's own normal.
+std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& ray, const MaterialInstance& medium,
+                                                                   const Crossing& crossing, double travelled) {
+    ++statistics.march_steps;
+    Encounter e;
+    e.point = {ray.origin.anchor, ray.origin.offset + crossing.t * ray.direction};
+    e.outward = normalize(medium.placement.to_parent(crossing.normal));
+    if (e.outward == Normal()) return std::nullopt;
+    e.geometric = dot(e.outward, ray.direction) > 0 ? -e.outward : e.outward;
+    e.shading = e.geometric;
+    e.travelled = travelled + crossing.t;
+
+    const MatterSite site{e.point, pixel_footprint * e.travelled};
+    const Vector beyond = -to_vector(e.geometric);
+    e.matter = matter_beside(medium, site, beyond);
+    if (e.matter.is_transparent()) {
+        const Matter before = matter_beside(medium, site, -beyond);
+        e.index_before = before.is_transparent() ? before.refraction : 1;
+        e.index_behind = e.matter.refraction;
+    }
+    if (world.features.relief) bend_normal(ray, relief_in_world(medium, e.matter), e);
+    return e;
+}
+
+// A ray from an encounter. Which side of the departed surface it goes to is read from the true normal.
+Ray Tracer::Implementation::depart(const Ray& from, const Encounter& e, const Vector& direction) const {
+    Ray ray{e.point, direction, e.departure, from.key};
+    ray.departure.inward = dot(direction, e.outward) < 0;
+    return ray;
+}
+
+// What of a light's radiance arrives over a distance: in an opaque World all or nothing; else the product of the
+// transmittances of all media and of (1 - opacity) of all faces on the straight way.
+Colour Tracer::Implementation::light_through(const Ray& shadow, double distance) {
+    ++statistics.shadow_rays;
+    RayThroughWorld& through = shadow_through_world;
+    through.start(shadow);
+    if (!world.features.transparency) return through.is_blocked(distance) ? Colour::black() : Colour::white();
+
+    Colour passed = Colour::white();
+    Label label = through.label(0, Side::after);
+    for (double from = 0; from < distance && !is_black(passed);) {
+        const Boundary boundary = through.next(from);
+        const double to = std::min(boundary.t, distance);
+        if (!label.is_empty()) {
+            const MaterialInstance& medium = world.materials[label.medium];
+            if (!medium.may_be_transparent) return Colour::black();
+            const MaterialLine line = material_line(medium, shadow.origin, shadow.direction);
+            if (!medium.is_uniform && medium.material->has_boundaries()) {
+                // Piece by piece: each may be opaque, and each boundary has its (1 - opacity).
+                double piece = from;
+                while (piece < to && !is_black(passed)) {
+                    const double skip = std::max(piece, from + rounding_length(line));
+                    const Crossing crossing = medium.material->next_boundary(line, skip, to);
+                    const double end = std::min(crossing.t, to);
+                    const Matter matter = medium.material->evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + 1e6)), 0});
+                    if (!matter.is_transparent()) return Colour::black();
+                    if (piece > from) passed = (1 - matter.opacity) * passed;
+                    passed = passed * transmittance(medium, line, piece, end);
+                    piece = end;
+                }
+            } else {
+                passed = passed * transmittance(medium, line, from, to);
+            }
+        }
+        if (boundary.t >= distance) break;
+        if (boundary.is_sheet()) return Colour::black();
+        if (boundary.leaf >= 0 && !(boundary.before == boundary.after)) {
+            const Leaf& leaf = world.leaves[boundary.leaf];
+            std::int32_t shown = leaf.appearance;
+            if (shown < 0) shown = !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
+            const MaterialInstance& instance = world.materials[shown];
+            const Vector toward = (boundary.after.is_empty() ? -1.0 : 1.0) * shadow.direction;
+            const MatterSite site{{shadow.origin.anchor, shadow.origin.offset + boundary.t * shadow.direction}, 0};
+            const Matter matter = matter_beside(instance, site, toward);
+            if (!matter.is_transparent()) return Colour::black();
+            passed = (1 - matter.opacity) * passed;
+        }
+        label = boundary.after;
+        from = boundary.t;
+    }
+    return passed;
+}
+
+// The sums of section 9 over the lights: ambient, D and S parts.
+Tracer::Implementation::Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
+    Lit lit;
+    const Point point = e.point.rounded();
+    for (const auto& ambient : world.ambient_lights) lit.ambient += ambient->toward(point, {}).radiance;
+    const bool needs_diffuse = !e.matter.is_transparent() || e.matter.opacity > 0;
+    const Vector mirrored = mirror(ray.direction, e.shading);
+    for (const auto& light : world.lights) {
+        LightSample sample;
+        if (light->has_extent()) {
+            const SamplePair pair = sample_pair(ray.key, dimension_pair::first_light + light_samples++);
+            sample = {pair.u, pair.v};
+        }
+        const Illumination illumination = light->toward(point, sample);
+        const double cosine = dot(e.shading, illumination.direction);
+        if (is_black(illumination.radiance) || !(cosine > 0)) {
+            ++statistics.shadow_rays_skipped;
+            continue;
+        }
+        // (R . V)^shininess, with R . V = the light against the mirrored view.
+        const double highlight = std::pow(std::fmax(0, dot(mirrored, illumination.direction)), e.matter.shininess);
+        const double diffuse = needs_diffuse ? std::fmax(0, cosine - highlight) : 0;
+        const bool behind = dot(e.geometric, illumination.direction) <= 0;
+        if ((highlight == 0 && diffuse == 0) || (behind && (e.is_sheet || !e.matter.is_transparent()))) {
+            ++statistics.shadow_rays_skipped;
+            continue;
+        }
+        const Colour arrives =
+            illumination.radiance * light_through(depart(ray, e, illumination.direction), illumination.distance);
+        lit.diffuse += diffuse * arrives;
+        lit.highlight += highlight * arrives;
+    }
+    return lit;
+}
+
+// Follows a path from an encounter, or ends it with the background where it counts too little.
+Colour Tracer::Implementation::continue_path(const Ray& from, const Encounter& e, const Vector& direction, double weight,
+                                             const Path& path) {
+    const Path next{path.weight * weight, path.depth + 1, e.travelled};
+    if (next.depth > settings.depth || next.weight < settings.cutoff) return world.background;
+    return radiance(depart(from, e, direction), next, nullptr);
+}
+
+Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const Path& path) {
+    const Matter& matter = e.matter;
+    const Lit lit = light(ray, e);
+    const Colour local = matter.colour * (lit.ambient + lit.diffuse) + lit.highlight;
+
+    const bool transparent = matter.is_transparent();
+    const double fresnel = transparent ? fresnel_reflectance(ray.direction, e.shading, e.index_before, e.index_behind) : 0;
+    const double clear = transparent ? (1 - matter.reflection) * (1 - matter.opacity) : 0;  // what Fresnel divides
+    const double mirrored_weight = matter.reflection + clear * fresnel;
+    const double refracted_weight = clear * (1 - fresnel);
+
+    Colour result = transparent ? (1 - matter.reflection) * (matter.opacity * local + (1 - matter.opacity) * lit.highlight)
+                                : (1 - matter.reflection) * local;
+    if (mirrored_weight > 0) {
+        Vector direction = mirror(ray.direction, e.shading);
+        // Off a bent normal the mirrored ray may point into the surface: it is turned back out.
+        const double below = dot(direction, e.geometric);
+        if (below < 0) direction = renormalize(direction - 2 * below * to_vector(e.geometric));
+        ++statistics.mirrored_rays;
+        result += mirrored_weight * continue_path(ray, e, direction, mirrored_weight, path);
+    }
+    if (refracted_weight > 0) {
+        const double eta = e.index_before / e.index_behind;
+        std::optional<Vector> direction = eta == 1 ? ray.direction : refract(ray.direction, e.shading, eta);
+        if (direction && dot(*direction, e.geometric) >= 0) direction = refract(ray.direction, e.geometric, eta);
+        ++statistics.refracted_rays;
+        result += refracted_weight *
+                  (direction ? continue_path(ray, e, *direction, refracted_weight, path) : world.background);
+    }
+    return result;
+}
+
+// Follows a straight ray through what lets it pass, to the first face that does not.
+Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySample* first) {
+    const bool transparency = world.features.transparency;
+    ray_through_world.start(ray);
+    Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
+    Colour gathered, passed = Colour::white();
+    for (double from = 0;;) {
+        const Boundary boundary = ray_through_world.next(from);
+        std::optional<Encounter> encounter;
+        double to = boundary.t;
+
+        const MaterialInstance* medium = label.is_empty() ? nullptr : &world.materials[label.medium];
+        if (medium && medium->may_be_transparent) {
+            const MaterialLine line = material_line(*medium, ray.origin, ray.direction);
+            if (!medium->is_uniform && medium->material->has_boundaries()) {
+                const Crossing crossing =
+                    medium->material->next_boundary(line, std::max(from, rounding_length(line)), boundary.t);
+                if (crossing.t < boundary.t) {
+                    to = crossing.t;
+                    encounter = encounter_crossing(ray, *medium, crossing, path.travelled);
+                }
+            }
+            passed = passed * transmittance(*medium, line, from, to);
+        }
+        if (is_black(passed)) return gathered;
+        if (to == infinity) return gathered + passed * world.background;
+        if (to == boundary.t) {
+            label = boundary.after;
+            if (boundary.is_sheet() || !transparency || !(boundary.before == boundary.after))
+                encounter = encounter_face(ray, boundary, path.travelled, first);
+            if (boundary.is_sheet()) label = boundary.before;
+        }
+        from = to;
+        if (!encounter) continue;
+        if (lets_pass(*encounter)) {
+            gathered += passed * light(ray, *encounter).highlight;
+            continue;
+        }
+        Path here = path;
+        here.weight *= largest(passed);
+        return gathered + passed * shade(ray, *encounter, here);
+    }
+}
+
+Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_footprint)
+    : implementation_(std::make_unique<Implementation>(world, settings, pixel_footprint)) {}
+Tracer::~Tracer() = default;
+
+void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ++implementation_->statistics.camera_rays;
+        implementation_->light_samples = 0;
+        samples[i] = RaySample{};
+        samples[i].colour = implementation_->radiance(rays[i], Path{}, &samples[i]);
+    }
+}
+
+const TraceStatistics& Tracer::statistics() const { return implementation_->statistics; }
+
+}  // namespace lapidary
