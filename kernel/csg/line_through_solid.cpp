@@ -58,9 +58,10 @@ LineThroughSolid::PlacedLine LineThroughSolid::placed_line(const Leaf& leaf) con
     const Vector closest = leaf.placement.to_local(world_closest);
     const Vector direction = leaf.placement.to_local(d);
     const double step = -dot(closest, direction) / dot(direction, direction);
-    return {{{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
-             direction},
-            world_step + step};
+    return {
+        {{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
+         direction},
+        world_step + step};
 }
 
 std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
@@ -272,10 +273,14 @@ bool LineThroughSolid::inside(std::int32_t index, double t, Side side) {
                 if (side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out) return true;
             return false;
         case Operation::union_:
-        case Operation::merge: return std::any_of(all.begin(), all.end(), holds);
-        case Operation::intersection: return std::all_of(all.begin(), all.end(), holds);
-        case Operation::subtraction: return holds(all[0]) && std::none_of(all.begin() + 1, all.end(), holds);
-        case Operation::symdiff: return std::count_if(all.begin(), all.end(), holds) % 2 == 1;
+        case Operation::merge:
+            return std::any_of(all.begin(), all.end(), holds);
+        case Operation::intersection:
+            return std::all_of(all.begin(), all.end(), holds);
+        case Operation::subtraction:
+            return holds(all[0]) && std::none_of(all.begin() + 1, all.end(), holds);
+        case Operation::symdiff:
+            return std::count_if(all.begin(), all.end(), holds) % 2 == 1;
     }
     return false;
 }
@@ -287,10 +292,16 @@ Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
     const Node& node = world_.nodes[index];
     Label owner;
     switch (node.operation) {
-        case Operation::leaf: owner = {node.first, world_.leaves[node.first].medium, world_.leaves[node.first].priority}; break;
-        case Operation::merge: owner = {node.owner, node.medium, 0}; break;
+        case Operation::leaf:
+            owner = {node.first, world_.leaves[node.first].medium, world_.leaves[node.first].priority};
+            break;
+        case Operation::merge:
+            owner = {node.owner, node.medium, 0};
+            break;
         case Operation::intersection:
-        case Operation::subtraction: owner = label(operands(node)[0], t, side); break;
+        case Operation::subtraction:
+            owner = label(operands(node)[0], t, side);
+            break;
         case Operation::union_:
         case Operation::symdiff:
             for (std::int32_t operand : operands(node)) {

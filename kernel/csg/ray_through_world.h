@@ -12,10 +12,10 @@ namespace lapidary {
 
 // A place on the ray where what a point is made of may change, or a sheet.
 struct Boundary {
-    double t = infinity;       // infinity: nothing ahead
-    std::int32_t solid = -1;   // in World::solids; -1 for a sheet
-    std::int32_t leaf = -1;    // whose face it is
-    Label before, after;       // of the whole World; in an opaque World, of the one solid
+    double t = infinity;      // infinity: nothing ahead
+    std::int32_t solid = -1;  // in World::solids; -1 for a sheet
+    std::int32_t leaf = -1;   // whose face it is
+    Label before, after;      // of the whole World; in an opaque World, of the one solid
     bool is_sheet() const { return leaf >= 0 && solid < 0; }
 };
 

@@ -10,9 +10,9 @@
 namespace lapidary {
 
 struct Illumination {
-    Vector direction;             // unit vector from the point toward the light; zero for light from everywhere
-    double distance = infinity;   // to the light along it
-    Colour radiance;              // black means: no light reaches the point, no shadow ray is needed
+    Vector direction;            // unit vector from the point toward the light; zero for light from everywhere
+    double distance = infinity;  // to the light along it
+    Colour radiance;             // black means: no light reaches the point, no shadow ray is needed
 };
 
 // A pair of numbers in [0, 1) that picks a place on a light with extent; (1/2, 1/2) is its middle.

@@ -23,9 +23,9 @@ struct PixelRegion {
 };
 
 struct FrameInfo {
-    int width = 0, height = 0;     // of the full picture
-    PixelRegion region;            // the part that is rendered
-    std::filesystem::path path;    // the file that the user asked for; empty for an output without a file
+    int width = 0, height = 0;   // of the full picture
+    PixelRegion region;          // the part that is rendered
+    std::filesystem::path path;  // the file that the user asked for; empty for an output without a file
     std::string title;
     std::map<std::string, std::string> metadata;  // program, version, scene …
 };

@@ -61,10 +61,14 @@ SineCosine sine_cosine(double angle) {
     }
     const int quadrant = static_cast<int>(std::fmod(std::fmod(turns, 4.0) + 4.0, 4.0));
     switch (quadrant) {
-        case 1: return {cosine, -sine};
-        case 2: return {-sine, -cosine};
-        case 3: return {-cosine, sine};
-        default: return {sine, cosine};
+        case 1:
+            return {cosine, -sine};
+        case 2:
+            return {-sine, -cosine};
+        case 3:
+            return {-cosine, sine};
+        default:
+            return {sine, cosine};
     }
 }
 
@@ -276,7 +280,9 @@ ExactTransform ExactTransform::inverse() const {
 }
 
 Transform::Transform(const ExactTransform& exact)
-    : linear_(round(exact.linear())), inverse_linear_(round(exact.inverse_linear())), identity_linear_(exact.has_identity_linear()) {
+    : linear_(round(exact.linear())),
+      inverse_linear_(round(exact.inverse_linear())),
+      identity_linear_(exact.has_identity_linear()) {
     const auto& c = exact.translation();
     centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
 }

@@ -21,7 +21,8 @@ DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optio
     if (operands.empty()) return nullptr;
     // What the empty set does to the whole.
     if (operation == Operation::subtraction && !operands[0]) return nullptr;
-    if (operation == Operation::intersection && std::find(operands.begin(), operands.end(), nullptr) != operands.end()) return nullptr;
+    if (operation == Operation::intersection && std::find(operands.begin(), operands.end(), nullptr) != operands.end())
+        return nullptr;
     operands.erase(std::remove(operands.begin(), operands.end(), nullptr), operands.end());
     if (operands.empty()) return nullptr;
 
@@ -30,8 +31,9 @@ DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optio
         for (const DraftPtr& operand : operands) box = intersect(box, operand->box);
         if (box.is_empty()) return nullptr;
     } else if (operation == Operation::subtraction) {
-        operands.erase(std::remove_if(operands.begin() + 1, operands.end(), [&](const DraftPtr& d) { return !d->box.overlaps(box); }),
-                       operands.end());
+        operands.erase(
+            std::remove_if(operands.begin() + 1, operands.end(), [&](const DraftPtr& d) { return !d->box.overlaps(box); }),
+            operands.end());
     } else {
         for (const DraftPtr& operand : operands) box = unite(box, operand->box);
     }
@@ -60,7 +62,8 @@ void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids) {
         return;
     }
     const bool distributes = (draft->operation == Operation::subtraction || draft->operation == Operation::intersection) &&
-                             draft->operands[0]->operation == Operation::union_ && !draft->operands[0]->priority && !draft->priority;
+                             draft->operands[0]->operation == Operation::union_ && !draft->operands[0]->priority &&
+                             !draft->priority;
     if (distributes) {
         std::vector<DraftPtr> parts;
         std::size_t leaves = 0;

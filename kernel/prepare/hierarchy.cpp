@@ -85,7 +85,8 @@ std::int32_t Hierarchy::build(std::span<const Bounds> boxes, std::span<std::int3
         }
         if (best_bin >= 0)
             middle = static_cast<std::size_t>(
-                std::partition(order.begin(), order.end(), [&](std::int32_t i) { return bin_of(i) <= best_bin; }) - order.begin());
+                std::partition(order.begin(), order.end(), [&](std::int32_t i) { return bin_of(i) <= best_bin; }) -
+                order.begin());
     }
 
     const std::array<std::span<std::int32_t>, 2> halves{order.first(middle), order.subspan(middle)};

@@ -43,7 +43,8 @@ public:
     void for_each_at(const Point& point, double slack, Visit visit) const;
 
 private:
-    std::int32_t build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items, int depth);
+    std::int32_t build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items,
+                       int depth);
 
     Point anchor_;
     std::vector<Node> nodes_;
@@ -103,7 +104,8 @@ void Hierarchy::for_each_along(const Point& origin, const Vector& direction, dou
         const Node& node = nodes_[entry.child];
         std::array<double, 2> near{};
         std::array<bool, 2> met{};
-        for (int i = 0; i < 2; ++i) met[i] = node.child[i] != no_child && line.meets(node.low[i], node.high[i], 0, limit, near[i]);
+        for (int i = 0; i < 2; ++i)
+            met[i] = node.child[i] != no_child && line.meets(node.low[i], node.high[i], 0, limit, near[i]);
         const int first = near[1] < near[0] ? 1 : 0;
         if (met[1 - first]) stack[size++] = {node.child[1 - first], near[1 - first]};
         if (met[first]) stack[size++] = {node.child[first], near[first]};

@@ -127,8 +127,9 @@ private:
                      std::vector<SheetDraft>& to) {
         for (SheetDraft& sheet : from) {
             if (operation == Operation::subtraction && own > 0) {
-                messages_.warning(sheet.leaf.place,
-                                  "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
+                messages_.warning(
+                    sheet.leaf.place,
+                    "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
                 continue;
             }
             if (operation == Operation::subtraction || operation == Operation::intersection)

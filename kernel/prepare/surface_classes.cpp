@@ -154,10 +154,12 @@ double distance_between(const PlacedSurface& a, const PlacedSurface& b, const Bo
             return radius * (std::sqrt(std::fmax(0, value(a.form, between))) +
                              0.5 * largest_difference(a.form, b.form) * (0.25 * extent * extent));
         }
-        case PlacedSurface::Kind::cone: return length(between) + extent * largest_difference(a.form, b.form);
+        case PlacedSurface::Kind::cone:
+            return length(between) + extent * largest_difference(a.form, b.form);
         case PlacedSurface::Kind::torus:
             return length(between) + extent * std::fabs(a.ratio - b.ratio) +
-                   0.5 * extent * (largest_difference(a.form, b.form) + largest_difference(a.axis_form, b.axis_form)) * (0.25 * extent * extent);
+                   0.5 * extent * (largest_difference(a.form, b.form) + largest_difference(a.axis_form, b.axis_form)) *
+                       (0.25 * extent * extent);
         case PlacedSurface::Kind::whole:
             if (a.object != b.object) return infinity;
             return length(between) + extent * largest_difference(a.form, b.form) / largest_entry(a.form);
@@ -170,10 +172,14 @@ double distance_between(const PlacedSurface& a, const PlacedSurface& b, const Bo
 double sweep_key(const PlacedSurface& s, const Point& probe) {
     const Vector from_centre = rounded(TwoPartPoint(probe) - s.centre);
     switch (s.kind) {
-        case PlacedSurface::Kind::plane: return std::fabs(dot(s.normal, from_centre) - s.offset);
-        case PlacedSurface::Kind::whole: return std::log2(length(from_centre));
-        case PlacedSurface::Kind::torus: return std::log2(value(s.form, from_centre) + value(s.axis_form, from_centre));
-        default: return std::log2(std::fabs(value(s.form, from_centre)));
+        case PlacedSurface::Kind::plane:
+            return std::fabs(dot(s.normal, from_centre) - s.offset);
+        case PlacedSurface::Kind::whole:
+            return std::log2(length(from_centre));
+        case PlacedSurface::Kind::torus:
+            return std::log2(value(s.form, from_centre) + value(s.axis_form, from_centre));
+        default:
+            return std::log2(std::fabs(value(s.form, from_centre)));
     }
 }
 
@@ -253,10 +259,11 @@ private:
     }
 
     void report_near(const Leaf& leaf, const Leaf& other, double apart) {
-        messages_.warning(leaf.place,
-                          fmt::format("a face of this object is {:.1g} away from a face of the one at line {}; is that meant? They are "
-                                      "rendered as they are, with the gap",
-                                      apart, other.place.line));
+        messages_.warning(
+            leaf.place,
+            fmt::format("a face of this object is {:.1g} away from a face of the one at line {}; is that meant? They are "
+                        "rendered as they are, with the gap",
+                        apart, other.place.line));
     }
 
     // Leaves that share a face with another one that they touch get all their faces as classes; others none.

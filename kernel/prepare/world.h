@@ -24,11 +24,11 @@ namespace lapidary {
 // A material where it stands in the world.
 struct MaterialInstance {
     const Material* material = nullptr;  // null: white, as objects without material are
-    Transform placement;     // from the material's space to the world
-    double scale = 1;        // a length in the world times this is about its length in the material's space
+    Transform placement;                 // from the material's space to the world
+    double scale = 1;                    // a length in the world times this is about its length in the material's space
     bool is_uniform = false;
     bool may_be_transparent = false;
-    Matter matter;           // of a uniform material: what it is everywhere
+    Matter matter;            // of a uniform material: what it is everywhere
     std::int32_t number = 0;  // for the `material` layer, from 1
 };
 
@@ -47,10 +47,10 @@ struct SurfaceClass {
 
 struct Leaf {
     std::shared_ptr<const Object> object;
-    Transform placement;         // from the object's space to the world
-    Bounds box;                  // in the world, padded by rounding
+    Transform placement;           // from the object's space to the world
+    Bounds box;                    // in the world, padded by rounding
     std::int32_t appearance = -1;  // material that its faces show; -1: the innards of what it cuts
-    std::int32_t medium = 0;     // material of its inside
+    std::int32_t medium = 0;       // material of its inside
     double priority = 0;
     std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
     std::int32_t surface_count = 0;
@@ -109,16 +109,16 @@ public:
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;
-    std::vector<std::shared_ptr<const Light>> lights;              // with direction
+    std::vector<std::shared_ptr<const Light>> lights;  // with direction
     std::vector<std::shared_ptr<const Light>> ambient_lights;
     Colour background;
-    Bounds bounds;           // of all bounded solids
-    Hierarchy hierarchy;     // over the bounded solids
+    Bounds bounds;                        // of all bounded solids
+    Hierarchy hierarchy;                  // over the bounded solids
     std::vector<std::int32_t> unbounded;  // solids outside the hierarchy
-    std::int32_t most_leaves = 0;  // of one solid
-    std::int32_t most_spans = 1;   // of one leaf
+    std::int32_t most_leaves = 0;         // of one solid
+    std::int32_t most_spans = 1;          // of one leaf
     Features features;
-    SceneNodePtr root;       // keeps objects and materials alive
+    SceneNodePtr root;  // keeps objects and materials alive
 };
 
 // Never fails: what cannot be used (an empty operand, a sheet that subtracts) is left out with a warning.

@@ -51,7 +51,11 @@ TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
 
 struct Tracer::Implementation {
     Implementation(const World& w, const RenderSettings& s, double footprint)
-        : world(w), settings(s), pixel_footprint(footprint), ray_through_world(w, statistics), shadow_through_world(w, statistics) {}
+        : world(w),
+          settings(s),
+          pixel_footprint(footprint),
+          ray_through_world(w, statistics),
+          shadow_through_world(w, statistics) {}
 
     const World& world;
     const RenderSettings& settings;
@@ -65,7 +69,8 @@ struct Tracer::Implementation {
     Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path);
 
     std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
-    std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing, double travelled);
+    std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
+                                                double travelled);
     void bend_normal(const Ray& ray, const Normal& relief, Encounter& encounter) const;
     double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
 
@@ -92,7 +97,8 @@ bool lets_pass(const Encounter& e) {
 }  // namespace
 
 // The index of a side of a face: of the medium just off the point, 1 in empty space.
-double Tracer::Implementation::index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const {
+double Tracer::Implementation::index_of(const Label& label, const MatterSite& site, const Vector& toward,
+                                        const Matter* known) const {
     if (label.is_empty()) return 1;
     const Matter matter = known ? *known : matter_beside(world.materials[label.medium], site, toward);
     return matter.is_transparent() ? matter.refraction : 1;
@@ -110,7 +116,7 @@ void Tracer::Implementation::bend_normal(const Ray& ray, const Normal& relief, E
 // What the ray meets at a boundary of the World: the matter of the face by section 6.3, the media on its two sides.
 // Nothing where the boundary shows no face (a tie that rounding undid).
 std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, const Boundary& boundary, double travelled,
-                                                               RaySample* first) {
+                                                                RaySample* first) {
     if (boundary.leaf < 0) return std::nullopt;
     const Leaf& leaf = world.leaves[boundary.leaf];
     const FaceHit face = ray_through_world.face(boundary);
@@ -161,7 +167,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
 
 // What the ray meets where a textured medium changes: the same as at a face, with the boundary's own normal.
 std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& ray, const MaterialInstance& medium,
-                                                                   const Crossing& crossing, double travelled) {
+                                                                    const Crossing& crossing, double travelled) {
     ++statistics.march_steps;
     Encounter e;
     e.point = {ray.origin.anchor, ray.origin.offset + crossing.t * ray.direction};
@@ -312,8 +318,7 @@ Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const P
         std::optional<Vector> direction = eta == 1 ? ray.direction : refract(ray.direction, e.shading, eta);
         if (direction && dot(*direction, e.geometric) >= 0) direction = refract(ray.direction, e.geometric, eta);
         ++statistics.refracted_rays;
-        result += refracted_weight *
-                  (direction ? continue_path(ray, e, *direction, refracted_weight, path) : world.background);
+        result += refracted_weight * (direction ? continue_path(ray, e, *direction, refracted_weight, path) : world.background);
     }
     return result;
 }

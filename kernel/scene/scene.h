@@ -88,11 +88,11 @@ struct OutputSettings {
 
 struct RenderSettings {
     enum class Filter { box, gaussian, mitchell };
-    int depth = 16;              // reflections and refractions a path may have
-    double cutoff = 1.0 / 1024;  // weight in the pixel below which a path ends
-    double error = 0.004;        // estimated error of a pixel at which adaptive sampling stops
-    Filter filter = Filter::box;           // how a pixel weighs the light around its centre
-    std::optional<double> filter_radius;   // in pixels; nothing: the filter's usual one
+    int depth = 16;                       // reflections and refractions a path may have
+    double cutoff = 1.0 / 1024;           // weight in the pixel below which a path ends
+    double error = 0.004;                 // estimated error of a pixel at which adaptive sampling stops
+    Filter filter = Filter::box;          // how a pixel weighs the light around its centre
+    std::optional<double> filter_radius;  // in pixels; nothing: the filter's usual one
 };
 
 struct Scene {
