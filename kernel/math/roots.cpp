@@ -197,7 +197,7 @@ private:
             if (!(next >= low && next <= high)) next = 0.5 * (low + high);
             const double step = std::fabs(next - t);
             t = next;
-            if (step <= ulp * std::fabs(t) || next == low || next == high) break;
+            if (step <= ulp || next == low || next == high) break;  // sizes and direction are near 1
         }
         return t;
     }
