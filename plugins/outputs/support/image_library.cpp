@@ -14,10 +14,12 @@ namespace lapidary {
 
 namespace {
 
-OIIO::ImageSpec specification(const Picture& picture, OIIO::TypeDesc type) {
+OIIO::ImageSpec specification(const Picture& picture, OIIO::TypeDesc type, bool knows_larger_pictures) {
     OIIO::ImageSpec spec(picture.width, picture.height, static_cast<int>(picture.channels.size()), type);
-    spec.x = picture.x, spec.y = picture.y;
-    spec.full_width = picture.full_width, spec.full_height = picture.full_height;
+    if (knows_larger_pictures) {
+        spec.x = picture.x, spec.y = picture.y;
+        spec.full_width = picture.full_width, spec.full_height = picture.full_height;
+    }
     for (std::size_t i = 0; i < picture.channels.size(); ++i) {
         const Picture::Channel& channel = picture.channels[i];
         spec.channelnames[i] = channel.name;
@@ -49,7 +51,7 @@ public:
             using Sample = typename std::remove_cvref_t<decltype(samples)>::value_type;
             const OIIO::TypeDesc type = OIIO::BaseTypeFromC<Sample>::value;
             // The name is not used for a file, but its extension says which format is meant.
-            return output->open("picture." + picture.format, specification(picture, type)) &&
+            return output->open("picture." + picture.format, specification(picture, type, output->supports("displaywindow"))) &&
                    output->write_image(type, samples.data()) && output->close();
         };
         if (!std::visit(write, picture.samples))
