@@ -8,6 +8,8 @@
 
 #include <lapidary/plugin.h>
 
+#include "lapidary/noise_search.h"
+
 namespace lapidary {
 
 class NoiseTexture final : public Selection<NoiseTexture> {
@@ -29,19 +31,7 @@ public:
     }
 
     Crossing next_cut(const MaterialLine& line, double from, double to) const {
-        if (!is_in_reach(low_) && !is_in_reach(high_)) return {};
-        const double speed = length(line.direction);
-        if (!(speed > 0) || !(speed < infinity)) return {};
-
-        const auto noise_along = [&](double t) {
-            const NoiseSample sample = noise_with_gradient(line.at(t));
-            return Slope{sample.value, dot(sample.gradient, line.direction)};
-        };
-        const auto range_of = [&](double value) { return value < low_ ? -1 : value > high_ ? 1 : 0; };
-        const FirstChange search(noise_along, noise_curvature_bound * speed * speed, range_of);
-        const double t = search.find(from, std::fmin(to, from + search_limit / speed), search_step / speed);
-        if (!(t < to)) return {};
-        return {t, Normal(noise_with_gradient(line.at(t)).gradient)};
+        return next_change_of_noise(line, from, to, [this](double value) { return value < low_ ? -1 : value > high_ ? 1 : 0; });
     }
 
     // Noise changes by no more than its steepest slope times the way.
@@ -53,13 +43,6 @@ public:
     std::array<const Child*, 3> children() const { return {&below_, &above_, &between_}; }
 
 private:
-    // A line that meets no cut within so many cells is taken to meet none. Only an endless line through a band at the
-    // very ends of noise's values comes so far.
-    static constexpr double search_limit = 0x1p16;
-    static constexpr double search_step = 0.25;
-
-    static bool is_in_reach(double level) { return std::fabs(level) <= noise_bound; }
-
     double low_ = -0.05, high_ = 0.05;
     Child below_, above_, between_;
 };

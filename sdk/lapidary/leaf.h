@@ -40,7 +40,9 @@ public:
     bool may_have_relief() const override { return bump_ != 0 && relief_.has_value(); }
 
 protected:
+    // The defaults that a kind of matter may have of its own.
     explicit Leaf(double bump = 0) : bump_(bump) {}
+    void set_colour(const Colour& colour) { colour_ = colour; }
 
     // Everything that leaves have in common but their colours.
     template <class T>

@@ -34,7 +34,6 @@
 #include "lapidary/convex_object.h"
 #include "lapidary/leaf.h"
 #include "lapidary/noise.h"
-#include "lapidary/root_isolation.h"
 #include "lapidary/selection.h"
 
 namespace lapidary::sdk {

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "kernel/interfaces/material.h"
 #include "lapidary/child.h"
