@@ -229,20 +229,19 @@ private:
     }
 
     void report_child_count(std::size_t given, std::size_t least, std::size_t most, bool any_number) {
-        if (most == 0) {
-            context_.messages.error(block_.place, fmt::format("'{}' takes no textures inside; {} given", block_.keyword,
-                                                              given == 1 ? "1 is" : fmt::format("{} are", given)));
+        if (most == 0 && !any_number) {
+            context_.messages.error(block_.place, fmt::format("'{}' takes no textures inside, not {}", block_.keyword, given));
             return;
         }
         std::vector<std::string> names;
         for (const ChildSchema& slot : plugin_.schema().children()) names.push_back(slot.name);
-        std::string count = fmt::format("{}", least);
+        std::string count = std::to_string(least);
         if (any_number)
-            count = fmt::format("{} or more", least);
+            count += " or more";
         else if (least != most)
-            count = fmt::format("{} to {}", least, most);
+            count += " to " + std::to_string(most);
         context_.messages.error(block_.place, fmt::format("'{}' takes {} texture{} ({}), not {}", block_.keyword, count,
-                                                          most == 1 && !any_number ? "" : "s", fmt::join(names, ", "), given));
+                                                          most == 1 && !any_number ? "" : "s", list_of(names), given));
     }
 
     const Block& block_;

@@ -59,6 +59,15 @@ std::string takes(const std::string& keyword, const std::string& signature, int 
     return fmt::format("'{0}' takes {1} value{2}, not {3}: {0}{4};", keyword, count, one ? "" : "s", given, signature);
 }
 
+std::string list_of(const std::vector<std::string>& words) {
+    std::string list;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (i > 0) list += i + 1 == words.size() ? " and " : ", ";
+        list += words[i];
+    }
+    return list;
+}
+
 void warn_of_degrees(const Value& value, Messages& messages) {
     if (!value.angle && std::fabs(value.number) > 2 * std::numbers::pi * (1 + 1e-12))
         messages.warning(value.place, fmt::format("{} radians? 90deg is written 90deg", value.number));
@@ -78,8 +87,8 @@ bool PropertyReader::check_value(const PropertySchema& schema, const Value& valu
     } else if (shape == Shape::integer && value.number != std::nearbyint(value.number)) {
         error(value.place, fmt::format("'{}' takes a whole number, not {}", schema.name, value.number));
     } else if (!schema.words.empty() && std::ranges::find(schema.words, value.text) == schema.words.end()) {
-        error(value.place, fmt::format("'{}' takes one of the words {}, not '{}'{}", schema.name, fmt::join(schema.words, ", "),
-                                       value.text, did_you_mean(value.text, schema.words)));
+        error(value.place, fmt::format("'{}' knows the words {}, not '{}'{}", schema.name, list_of(schema.words), value.text,
+                                       did_you_mean(value.text, schema.words)));
     } else {
         return true;
     }

@@ -3,6 +3,7 @@
 // Values checked against a schema and put into the object that it describes.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -49,6 +50,8 @@ private:
 
 // "'radius' takes 1 value, not 2: radius(r);" and the like: how a property is written.
 std::string takes(const std::string& keyword, const std::string& signature, int least, int most, std::size_t given);
+// "a, b and c"
+std::string list_of(const std::vector<std::string>& words);
 // Warns of a bare angle beyond a full turn.
 void warn_of_degrees(const Value& value, Messages& messages);
 

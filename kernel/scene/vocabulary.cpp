@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "kernel/scene/properties.h"
+
 namespace lapidary {
 
 namespace {
@@ -144,7 +146,7 @@ void Vocabulary::report_property(const Property& property, std::string_view owne
     else if (known.empty())
         text += "; it takes none";
     else
-        text += fmt::format("; it takes {}", fmt::join(known, ", "));
+        text += fmt::format("; it takes {}", list_of(known));
     messages_.error(property.place, std::move(text));
 }
 
