@@ -142,8 +142,9 @@ private:
             failed = failed || items.failed;
             place_branch(items, i, *scene_material);
         }
-        if (!reader.finish(block_.place) || failed) return nullptr;
-        if (!fill_slots(scene_material->children, target)) return nullptr;
+        // Children first: requirements may speak of them.
+        const bool filled = !failed && fill_slots(scene_material->children, target);
+        if (!reader.finish(block_.place) || !filled) return nullptr;
         for (const SceneMaterialPtr& child : scene_material->children)
             scene_material->depth = std::max(scene_material->depth, child->depth + 1);
         if (is_too_deep(scene_material->depth, block_.place, context_)) return nullptr;
@@ -219,6 +220,7 @@ private:
         std::size_t least = 0;
         for (std::size_t i = 0; i < most; ++i)
             if (!slots[i].optional) least = i + 1;
+        if (any_number && !slots.back().optional) least = slots.size();
         if (children.size() < least || (children.size() > most && !any_number)) {
             report_child_count(children.size(), least, most, any_number);
             return false;
