@@ -58,6 +58,8 @@ public:
     std::size_t errors() const;
     std::size_t warnings() const;
     bool has_errors() const { return errors() > 0; }
+    // Whether a further error would be kept; if not, it is not worth the search for a suggestion.
+    bool wants_errors() const { return errors() < limit_; }
     // What was kept, and the last line where something was not.
     std::vector<Message> all() const;
 

@@ -124,7 +124,7 @@ std::optional<Number> ExpressionParser::product() {
 Number ExpressionParser::quotient(const Number& a, const Number& b, const Place& place) {
     const bool valid = a.valid && b.valid;
     if (valid && b.value == 0) {
-        messages_.error(place, "division by zero");
+        loading_.error(place, "division by zero");
         return invalid_number;
     }
     return finite({a.value / b.value, a.angle && !b.angle, valid}, place);
@@ -151,12 +151,12 @@ bool ExpressionParser::unit_follows() const {
 void ExpressionParser::apply_unit(Number& number) {
     const Token unit = lexer_.take();
     if (!is_unit(unit.text)) {
-        messages_.error(lexer_.place_of(unit), fmt::format("unknown unit {}; the units are 'deg' and 'rad'", name_of(unit)));
+        loading_.error(lexer_.place_of(unit), fmt::format("unknown unit {}; the units are 'deg' and 'rad'", name_of(unit)));
         number.valid = false;
         return;
     }
     if (number.angle) {
-        messages_.error(lexer_.place_of(unit), fmt::format("this is an angle already; remove '{}'", unit.text));
+        loading_.error(lexer_.place_of(unit), fmt::format("this is an angle already; remove '{}'", unit.text));
         number.valid = false;
     }
     if (unit.text == "deg") number.value *= std::numbers::pi / 180;
@@ -169,7 +169,7 @@ std::optional<Number> ExpressionParser::primary() {
     if (next.is('(')) return parenthesised();
     if (next.is_word() && lexer_.ahead().is('(')) return function_call();
     if (next.is_word()) return constant();
-    messages_.error(lexer_.place(), fmt::format("expected a number, not {}", name_of(next)));
+    loading_.error(lexer_.place(), fmt::format("expected a number, not {}", name_of(next)));
     return {};
 }
 
@@ -181,20 +181,23 @@ Number ExpressionParser::literal() {
 
 std::optional<Number> ExpressionParser::constant() {
     const Token name = lexer_.take();
-    if (const Constant* found = constants_.use(name.text)) return found->number;
-    if (const Function* f = find_function(name.text))
-        messages_.error(lexer_.place_of(name),
-                        fmt::format("'{0}' is a function; it is written {0}(…) with {1}", f->name, argument_count(*f)));
-    else
-        messages_.error(lexer_.place_of(name),
-                        fmt::format("{} is not defined{}", name_of(name), did_you_mean(name.text, constants_.name_list())));
+    if (const Constant* found = loading_.constants.use(name.text)) return found->number;
+    const Place place = lexer_.place_of(name);
+    if (const Function* f = find_function(name.text)) {
+        loading_.error(place, fmt::format("'{0}' is a function; it is written {0}(…) with {1}", f->name, argument_count(*f)));
+    } else {
+        std::string suggestion;
+        if (loading_.messages.wants_errors()) suggestion = did_you_mean(name.text, loading_.constants.name_list());
+        const std::string remedy = fmt::format("; define it above with 'let {} = …;'", printable(name.text, 40));
+        loading_.error(place, fmt::format("{} is not defined{}", name_of(name), suggestion.empty() ? remedy : suggestion));
+    }
     return invalid_number;
 }
 
 bool ExpressionParser::open() {
     if (open_ == deepest) {
-        messages_.error(lexer_.place(),
-                        fmt::format("parentheses stand more than {} deep; name parts of the expression with 'let'", deepest));
+        loading_.error(lexer_.place(),
+                       fmt::format("parentheses stand more than {} deep; name parts of the expression with 'let'", deepest));
         return false;
     }
     lexer_.take();
@@ -204,7 +207,7 @@ bool ExpressionParser::open() {
 
 bool ExpressionParser::close(std::string_view expected) {
     if (!lexer_.current().is(')')) {
-        messages_.error(lexer_.place(), fmt::format("expected {}, not {}", expected, name_of(lexer_.current())));
+        loading_.error(lexer_.place(), fmt::format("expected {}, not {}", expected, name_of(lexer_.current())));
         return false;
     }
     lexer_.take();
@@ -223,8 +226,8 @@ std::optional<Number> ExpressionParser::function_call() {
     const Token name = lexer_.take();
     const Place place = lexer_.place_of(name);
     if (name.text == "srgb" || name.text == "hex") {
-        messages_.error(place,
-                        fmt::format("'{}' stands for a colour's three numbers and cannot be part of an expression", name.text));
+        loading_.error(place,
+                       fmt::format("'{}' stands for a colour's three numbers and cannot be part of an expression", name.text));
         return {};
     }
     const std::optional<std::vector<Number>> arguments = argument_list();
@@ -232,19 +235,18 @@ std::optional<Number> ExpressionParser::function_call() {
 
     const Function* function = find_function(name.text);
     if (!function) {
-        messages_.error(place, fmt::format("unknown function {}{}", name_of(name), did_you_mean(name.text, function_names())));
+        loading_.error(place, fmt::format("unknown function {}{}", name_of(name), did_you_mean(name.text, function_names())));
         return invalid_number;
     }
     if (arguments->size() < function->least || arguments->size() > function->most) {
-        messages_.error(place,
-                        fmt::format("'{}' takes {}, not {}", function->name, argument_count(*function), arguments->size()));
+        loading_.error(place, fmt::format("'{}' takes {}, not {}", function->name, argument_count(*function), arguments->size()));
         return invalid_number;
     }
     if (std::any_of(arguments->begin(), arguments->end(), [](const Number& n) { return !n.valid; })) return invalid_number;
 
     const double value = function->apply(*arguments);
     if (!std::isfinite(value)) {
-        messages_.error(place, fmt::format("{}({}) is no finite number", function->name, list_of(*arguments)));
+        loading_.error(place, fmt::format("{}({}) is no finite number", function->name, list_of(*arguments)));
         return invalid_number;
     }
     const bool any_angle = std::any_of(arguments->begin(), arguments->end(), [](const Number& n) { return n.angle; });
@@ -268,7 +270,7 @@ std::optional<std::vector<Number>> ExpressionParser::argument_list() {
 
 Number ExpressionParser::finite(Number number, const Place& place) {
     if (number.valid && !std::isfinite(number.value)) {
-        messages_.error(place, "the result is too large: numbers reach up to 1.79e308");
+        loading_.error(place, "the result is too large: numbers reach up to 1.79e308");
         number.valid = false;
     }
     if (!number.valid) number.value = 0;

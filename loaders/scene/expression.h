@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "kernel/report/messages.h"
 #include "loaders/scene/constants.h"
 #include "loaders/scene/lexer.h"
+#include "loaders/scene/loading.h"
 
 namespace lapidary::scene_language {
 
@@ -23,8 +23,7 @@ bool is_unit(std::string_view word);
 
 class ExpressionParser {
 public:
-    ExpressionParser(Lexer& lexer, Constants& constants, Messages& messages)
-        : lexer_(lexer), constants_(constants), messages_(messages) {}
+    ExpressionParser(Lexer& lexer, Loading& loading) : lexer_(lexer), loading_(loading) {}
 
     // Nothing where the text is no expression: that is reported, and the rest of it still to be skipped.
     std::optional<Number> parse();
@@ -51,8 +50,7 @@ private:
     bool close(std::string_view expected);
 
     Lexer& lexer_;
-    Constants& constants_;
-    Messages& messages_;
+    Loading& loading_;
     int open_ = 0;
 };
 

@@ -96,6 +96,7 @@ const Token& Lexer::ahead() {
 Token Lexer::take() {
     const Token taken = current_;
     behind_ = {&file_, taken.line, taken.end_column};
+    behind_unclosed_string_ = !taken.closed;
     current_ = ahead_ ? *ahead_ : scan();
     ahead_.reset();
     return taken;
@@ -214,6 +215,7 @@ Token Lexer::scan_string() {
     Token result = token(Token::Kind::string, begin, end);
     result.column -= 1;
     result.end_column += closed;
+    result.closed = closed;
     position_ = end + closed;
     return result;
 }
@@ -249,7 +251,7 @@ void Lexer::skip_unknown() {
 
 Token Lexer::token(Token::Kind kind, std::size_t begin, std::size_t end) const {
     const auto column = [&](std::size_t position) { return static_cast<std::uint32_t>(position - line_start_ + 1); };
-    return {kind, line_, column(begin), column(end), text_.substr(begin, end - begin), 0};
+    return {kind, line_, column(begin), column(end), text_.substr(begin, end - begin), true, 0};
 }
 
 Place Lexer::place_at(std::size_t position) const {

@@ -18,6 +18,7 @@ struct Token {
     Kind kind = Kind::end;
     std::uint32_t line = 1, column = 1, end_column = 1;
     std::string_view text;  // of the file; a string's without its quotes
+    bool closed = true;     // of a string
     double number = 0;      // not a number where no double can hold what is written
 
     bool is(char symbol) const { return kind == Kind::symbol && text.front() == symbol; }
@@ -41,6 +42,9 @@ public:
     Place place() const { return place_of(current_); }
     // Right behind the token taken last, where something is missing.
     Place place_behind() const { return behind_; }
+
+    // What would follow a string that is not closed was taken for a part of it, and is not worth a message.
+    bool behind_unclosed_string() const { return behind_unclosed_string_; }
 
     // A token to return to, for text that is read several times.
     struct Mark {
@@ -75,6 +79,7 @@ private:
     Token current_;
     std::optional<Token> ahead_;
     Place behind_;
+    bool behind_unclosed_string_ = false;
 };
 
 }  // namespace lapidary::scene_language

@@ -14,7 +14,18 @@ void Loading::warning(const Place& place, std::string text) {
     if (later_rounds == 0) messages.warning(place, std::move(text));
 }
 
+void Loading::error(const Place& place, std::string text) {
+    std::string round;
+    if (later_rounds > 0)
+        for (const Multiplier& loop : multipliers)
+            if (!loop.name.empty())
+                round += fmt::format("{}{} = {}", round.empty() ? "" : ", ", printable(loop.name, 40), loop.counter);
+    messages.error(place, round.empty() ? std::move(text) : fmt::format("{} (in the round with {})", text, round));
+}
+
+// Behind an error, text was skipped that may hold the use.
 void Loading::warn_unused_since(std::size_t scope) {
+    if (messages.has_errors()) return;
     const std::vector<std::string_view>& names = constants.names();
     for (std::size_t i = scope; i < names.size(); ++i) {
         const Constant& constant = *constants.find(names[i]);
@@ -39,8 +50,8 @@ void Loading::stop() {
     stopped = true;
     const auto fewer_rounds = [](const Multiplier& a, const Multiplier& b) { return a.rounds < b.rounds; };
     const Multiplier& culprit = *std::max_element(multipliers.begin(), multipliers.end(), fewer_rounds);
-    error(culprit.place, fmt::format("{} makes more than {} items; make it smaller, or raise the bound with --max-items",
-                                     culprit.what, options.max_items));
+    messages.error(culprit.place, fmt::format("{} makes more than {} items; make it smaller, or raise the bound with --max-items",
+                                              culprit.what, options.max_items));
 }
 
 }  // namespace lapidary::scene_language

@@ -20,9 +20,11 @@ namespace lapidary::scene_language {
 
 // Something that multiplies text: a loop or an include that is being carried out.
 struct Multiplier {
-    std::string what;  // "the loop over 'i'"
+    std::string what;       // "the loop over 'i'"
+    std::string_view name;  // of a loop's counter
     Place place;
     std::uint64_t rounds = 1;
+    double counter = 0;  // of a loop, in this round
 };
 
 struct Loading {
@@ -42,7 +44,8 @@ struct Loading {
 
     // Warnings of a loop's body are the same in every round; the first one tells them.
     void warning(const Place& place, std::string text);
-    void error(const Place& place, std::string text) { messages.error(place, std::move(text)); }
+    // What goes wrong only in a later round says in which.
+    void error(const Place& place, std::string text);
 
     // Constants of this scope that nothing used. An included file may be a library, of which nobody needs everything.
     void warn_unused_since(std::size_t scope);

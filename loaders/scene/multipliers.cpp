@@ -49,7 +49,9 @@ void Parser::parse_let() {
     const std::optional<Number> number = expressions_.parse();
     if (!number) skip_values(expressions_.open_parentheses());
     expect_semicolon(fmt::format("'let {} = …'", printable(name.text, 40)));
-    if (may_define(name)) loading_.constants.define(name.text, {number.value_or(Number{0, false, false}), lexer_.place_of(name)});
+    if (!may_define(name)) return;
+    const bool valid = number && number->valid;  // a wrong one is not worth the warning that it is not used
+    loading_.constants.define(name.text, {number.value_or(Number{0, false, false}), lexer_.place_of(name), false, !valid});
 }
 
 bool Parser::may_define(const Token& name) {
@@ -129,7 +131,8 @@ void Parser::parse_rounds(Items& items, const Loop& loop) {
     lexer_.take();
 
     const Nesting nesting(loading_.depth);
-    loading_.multipliers.push_back({fmt::format("the loop over {}", name_of(loop.name)), loop.place, loop.rounds});
+    loading_.multipliers.push_back(
+        {fmt::format("the loop over {}", name_of(loop.name)), loop.name.text, loop.place, loop.rounds});
     loading_.foresee(loop.rounds);
     const Lexer::Mark body = lexer_.mark();
     const std::size_t scope = loading_.constants.size();
@@ -141,6 +144,7 @@ void Parser::parse_rounds(Items& items, const Loop& loop) {
         const std::size_t start = lexer_.position();
         const std::uint64_t produced_before = loading_.produced;
         const Number counter{loop.first + static_cast<double>(round), false, true};
+        loading_.multipliers.back().counter = counter.value;
         loading_.constants.define(loop.name.text, {counter, lexer_.place_of(loop.name), true});
         parse_items(items, true);
 
@@ -169,12 +173,13 @@ void Parser::parse_include(Items& items) {
     const Token name = lexer_.take();
     if (lexer_.current().is(';')) lexer_.take();
 
+    if (name.text.empty()) return loading_.error(lexer_.place_of(name), "the name of the file to include is empty");
     if (too_deep(place)) return;
     const SourceFile* file = open_include(name.text, lexer_.place_of(name));
     if (!file) return;
 
     const Nesting nesting(loading_.depth);
-    loading_.multipliers.push_back({fmt::format("the file {} that is included here", name_of(name)), place});
+    loading_.multipliers.push_back({fmt::format("the included file '{}'", printable(name.text, 200)), {}, place});
     loading_.include_chain.push_back(identity_of(file->name));
     loading_.charge(1 + file->text.size() / bytes_per_item);
     Parser(*file, loading_).parse(items);
@@ -212,11 +217,14 @@ bool Parser::is_circular(const std::filesystem::path& identity, const Place& pla
     const auto first = std::find(chain.begin(), chain.end(), identity);
     if (first == chain.end()) return false;
 
-    // From the file that closes the circle along the includes back to itself.
-    std::string circle;
-    for (auto file = first; file != chain.end(); ++file) circle += fmt::format("'{}' includes ", file->filename().string());
-    loading_.error(place,
-                   fmt::format("circular include: {}'{}'; take one of these includes out", circle, identity.filename().string()));
+    // Back along the includes to where the circle began.
+    const SourceFile* file = &file_;
+    std::string circle = fmt::format("'{}' includes ", file->name);
+    for (auto link = chain.end() - 1; link != first; --link) {
+        file = file->included_at.file;
+        circle.insert(0, fmt::format("'{}' includes ", file->name));
+    }
+    loading_.error(place, fmt::format("circular include: {}'{}'; take one of these includes out", circle, file->name));
     return true;
 }
 

@@ -24,7 +24,7 @@ std::string quoted(std::string_view text) { return "'" + printable(text, 40) + "
 }  // namespace
 
 Parser::Parser(const SourceFile& file, Loading& loading)
-    : loading_(loading), file_(file), lexer_(file, loading.messages), expressions_(lexer_, loading.constants, loading.messages) {}
+    : loading_(loading), file_(file), lexer_(file, loading.messages), expressions_(lexer_, loading) {}
 
 void Parser::parse(Items& items) { parse_items(items, false); }
 
@@ -79,7 +79,8 @@ void Parser::parse_statement(Items& items) {
     } else if (keyword.is_word("plugins") && next.kind == Token::Kind::string) {
         parse_plugins(items, keyword);
     } else if (next.is('=')) {
-        loading_.error(place, fmt::format("a constant is defined with 'let {} = …;'", printable(keyword.text, 40)));
+        loading_.error(place, fmt::format("a property is written '{0}(…);', and a constant is defined with 'let {0} = …;'",
+                                          printable(keyword.text, 40)));
         skip_statement();
     } else if (next.kind == Token::Kind::number || next.kind == Token::Kind::string || next.is('-')) {
         loading_.error(lexer_.place(), fmt::format("values stand in parentheses: {}(…);", printable(keyword.text, 40)));
@@ -101,10 +102,13 @@ void Parser::add_reference(Items& items, const Token& name) {
 // A property with a wrong value is left out: what would be made of it would only cause further messages.
 void Parser::parse_property(Items& items, const Token& keyword) {
     Property property{std::string(keyword.text), {}, lexer_.place_of(keyword)};
-    const bool good = parse_values(property);
-    expect_semicolon(fmt::format("'{}(…)'", printable(keyword.text, 40)));
-    const std::size_t values = property.values.size();
-    if (good) add(items, std::move(property), values);
+    if (parse_values(property)) {
+        expect_semicolon(fmt::format("'{}(…)'", printable(keyword.text, 40)));
+        const std::size_t values = property.values.size();
+        add(items, std::move(property), values);
+    } else if (lexer_.current().is(';')) {
+        lexer_.take();
+    }
 }
 
 void Parser::parse_plugins(Items& items, const Token& keyword) {
@@ -162,7 +166,7 @@ void Parser::add(Items& items, Item item, std::size_t values) {
 void Parser::expect_semicolon(std::string_view after) {
     if (lexer_.current().is(';'))
         lexer_.take();
-    else if (!loading_.stopped)
+    else if (!loading_.stopped && !lexer_.behind_unclosed_string())
         loading_.warning(lexer_.place_behind(), fmt::format("missing ';' after {}: assumed", after));
 }
 

@@ -51,11 +51,11 @@ private:
     // What became of a value: wrong ones are reported and read to their end, after others the parser is lost.
     enum class Outcome { good, wrong, lost };
     bool parse_values(Property& property);
-    bool parse_further_values(Property& property, bool good);
-    Outcome parse_value(std::vector<Value>& values);
-    Outcome parse_number(std::vector<Value>& values);
-    Outcome parse_srgb(std::vector<Value>& values);
-    Outcome parse_hex(std::vector<Value>& values);
+    bool parse_value_list(std::string_view keyword);
+    Outcome parse_value();
+    Outcome parse_number();
+    Outcome parse_srgb();
+    Outcome parse_hex();
     bool stands_alone();
     void skip_values(int open_parentheses);
 
@@ -88,6 +88,7 @@ private:
     const SourceFile& file_;
     Lexer lexer_;
     ExpressionParser expressions_;
+    std::vector<Value> values_;  // of the property that is being read
     bool unclosed_reported_ = false;
 };
 

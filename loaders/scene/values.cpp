@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <iterator>
 #include <optional>
 
 #include "kernel/math/colour.h"
@@ -45,19 +46,21 @@ std::optional<Colour> colour_of(std::string_view digits) {
 // True where all values are good.
 bool Parser::parse_values(Property& property) {
     lexer_.take();
-    if (!lexer_.current().is(')')) return parse_further_values(property, true);
-    lexer_.take();
-    return true;
+    if (lexer_.current().is(')')) return lexer_.take(), true;
+    values_.clear();
+    const bool good = parse_value_list(property.keyword);
+    property.values.assign(std::make_move_iterator(values_.begin()), std::make_move_iterator(values_.end()));
+    return good;
 }
 
-bool Parser::parse_further_values(Property& property, bool good) {
-    for (;;) {
+bool Parser::parse_value_list(std::string_view keyword) {
+    for (bool good = true;;) {
         const Token next = lexer_.current();
         Outcome outcome = Outcome::wrong;
         if (next.is(',') || next.is(')'))
             loading_.error(lexer_.place(), fmt::format("a value is missing before {}", name_of(next)));
         else
-            outcome = parse_value(property.values);
+            outcome = parse_value();
         if (outcome == Outcome::lost) return skip_values(expressions_.open_parentheses() + 1), false;
         good &= outcome == Outcome::good;
 
@@ -69,29 +72,30 @@ bool Parser::parse_further_values(Property& property, bool good) {
         } else if (begins_value(behind) && behind.line == lexer_.place_behind().line) {
             loading_.error(lexer_.place(), fmt::format("expected ',' or ')' before {}", name_of(behind)));
             good = false;
+        } else if (lexer_.behind_unclosed_string()) {
+            return false;
         } else {
-            loading_.error(lexer_.place_behind(),
-                           fmt::format("missing ')' after the values of '{}'", printable(property.keyword, 40)));
+            loading_.error(lexer_.place_behind(), fmt::format("missing ')' after the values of '{}'", printable(keyword, 40)));
             if (!behind.is_word()) skip_values(1);
             return false;
         }
     }
 }
 
-Parser::Outcome Parser::parse_value(std::vector<Value>& values) {
+Parser::Outcome Parser::parse_value() {
     const Token& token = lexer_.current();
     const Place place = lexer_.place();
     if (token.kind == Token::Kind::string) {
-        values.push_back({Value::Kind::text, 0, false, std::string(lexer_.take().text), place});
+        values_.push_back({Value::Kind::text, 0, false, std::string(lexer_.take().text), place});
         return Outcome::good;
     }
-    if (token.is_word("srgb") && lexer_.ahead().is('(')) return parse_srgb(values);
-    if (token.is_word("hex") && lexer_.ahead().is('(')) return parse_hex(values);
+    if (token.is_word("srgb") && lexer_.ahead().is('(')) return parse_srgb();
+    if (token.is_word("hex") && lexer_.ahead().is('(')) return parse_hex();
     if (token.is_word() && !loading_.constants.find(token.text) && stands_alone()) {
-        values.push_back({Value::Kind::word, 0, false, std::string(lexer_.take().text), place});
+        values_.push_back({Value::Kind::word, 0, false, std::string(lexer_.take().text), place});
         return Outcome::good;
     }
-    return parse_number(values);
+    return parse_number();
 }
 
 bool Parser::stands_alone() {
@@ -99,16 +103,16 @@ bool Parser::stands_alone() {
 }
 
 // A constant that stands alone keeps its name, for a property that takes a word.
-Parser::Outcome Parser::parse_number(std::vector<Value>& values) {
+Parser::Outcome Parser::parse_number() {
     const Token token = lexer_.current();
     const std::string_view name = token.is_word() && stands_alone() ? token.text : std::string_view();
     const std::optional<Number> number = expressions_.parse();
     if (!number) return Outcome::lost;
-    values.push_back({Value::Kind::number, number->value, number->angle, std::string(name), lexer_.place_of(token)});
+    values_.push_back({Value::Kind::number, number->value, number->angle, std::string(name), lexer_.place_of(token)});
     return number->valid ? Outcome::good : Outcome::wrong;
 }
 
-Parser::Outcome Parser::parse_srgb(std::vector<Value>& values) {
+Parser::Outcome Parser::parse_srgb() {
     const Place place = lexer_.place();
     lexer_.take();
     const std::optional<std::vector<Number>> parts = expressions_.parse_arguments();
@@ -120,11 +124,11 @@ Parser::Outcome Parser::parse_srgb(std::vector<Value>& values) {
     bool valid = true, bytes = false;
     for (const Number& part : *parts) valid &= part.valid, bytes |= part.value > 16;
     if (bytes) loading_.warning(place, "the numbers of 'srgb' run from 0 to 1; parts from 0 to 255 are written hex(\"#rrggbb\")");
-    append_colour(values, (*parts)[0].value, (*parts)[1].value, (*parts)[2].value, place);
+    append_colour(values_, (*parts)[0].value, (*parts)[1].value, (*parts)[2].value, place);
     return valid ? Outcome::good : Outcome::wrong;
 }
 
-Parser::Outcome Parser::parse_hex(std::vector<Value>& values) {
+Parser::Outcome Parser::parse_hex() {
     const Place place = lexer_.place();
     lexer_.take();
     lexer_.take();
@@ -138,8 +142,8 @@ Parser::Outcome Parser::parse_hex(std::vector<Value>& values) {
     if (!colour)
         loading_.error(text_place, "a colour is written with three or six hexadecimal digits: hex(\"#f80\") or hex(\"#ff8800\")");
     else
-        append_colour(values, colour->r, colour->g, colour->b, place);
-    if (!expect(')', "the colour")) skip_values(1);
+        append_colour(values_, colour->r, colour->g, colour->b, place);
+    if (!expect(')', "the colour")) return Outcome::lost;
     return colour ? Outcome::good : Outcome::wrong;
 }
 
@@ -147,7 +151,11 @@ Parser::Outcome Parser::parse_hex(std::vector<Value>& values) {
 void Parser::skip_values(int open_parentheses) {
     for (;;) {
         const Token& token = lexer_.current();
-        if (token.is(';') || token.is('{') || token.is('}') || token.kind == Token::Kind::end) return;
+        if (token.is(';') || token.is('}') || token.kind == Token::Kind::end) return;
+        if (token.is('{')) {
+            skip_block();
+            continue;
+        }
         if (token.is('(')) ++open_parentheses;
         const bool closes = token.is(')') && --open_parentheses == 0;
         lexer_.take();
