@@ -188,9 +188,10 @@ private:
             nothing->operation = Operation::union_;
             scene_->root = std::move(nothing);
         }
+        // What stands in a block with errors was not read to its end: no complaints about what it may have used.
+        if (messages_.has_errors()) return;
         context_.names.report_unused();
-        if (scene_->lights.empty() && !messages_.has_errors())
-            messages_.warning(whole_scene, "no light: only what reflects the background will show");
+        if (scene_->lights.empty()) messages_.warning(whole_scene, "no light: only what reflects the background will show");
     }
 
     const Document& document_;

@@ -28,7 +28,7 @@ public:
             else if (const auto* reference = std::get_if<Reference>(&item))
                 read_reference(*reference, prototype->factors);
             else
-                read_block(*std::get<std::unique_ptr<Block>>(item), prototype->factors);
+                read_block(*std::get<std::unique_ptr<Block>>(item), properties, prototype->factors);
         }
         if (!properties.finish(block_.place) || failed_) return nullptr;
         prototype->light = light;
@@ -56,17 +56,13 @@ private:
         if (thing) context_.messages.error(reference.place, fmt::format("'{}' is {}", reference.name, home_of(thing->kind)));
     }
 
-    void read_block(const Block& block, TransformFactors& factors) {
+    void read_block(const Block& block, PropertyReader& properties, TransformFactors& factors) {
         if (block.keyword == "transform") {
             if (!read_transform_block(block, factors, false, context_)) failed_ = true;
             return;
         }
         failed_ = true;
-        if (const PropertySchema* property = plugin_.schema().find(block.keyword))
-            context_.messages.error(
-                block.place, fmt::format("'{0}' is written with parentheses: {0}{1};", block.keyword, property->signature()));
-        else
-            context_.vocabulary.report_block(block, {}, {"transform"});
+        if (!properties.report_block(block)) context_.vocabulary.report_block(block, {}, {"transform"});
     }
 
     const Block& block_;

@@ -167,19 +167,9 @@ private:
                 read_property(*property, reader, items);
             else if (const auto* reference = std::get_if<Reference>(&item))
                 child_reader.read(*reference, items);
-            else if (const Block& inner = *std::get<std::unique_ptr<Block>>(item); !report_property_as_block(inner, items))
+            else if (const Block& inner = *std::get<std::unique_ptr<Block>>(item); !reader.report_block(inner))
                 child_reader.read(inner, items);
         }
-    }
-
-    // `radius { }` where `radius( );` is meant.
-    bool report_property_as_block(const Block& inner, TextureItems& items) {
-        const PropertySchema* property = plugin_.schema().find(inner.keyword);
-        if (!property) return false;
-        items.failed = true;
-        context_.messages.error(inner.place,
-                                fmt::format("'{0}' is written with parentheses: {0}{1};", inner.keyword, property->signature()));
-        return true;
     }
 
     void read_property(const Property& property, PropertyReader& reader, TextureItems& items) {

@@ -128,11 +128,17 @@ private:
 
     void report_unknown_block(const Block& block) {
         contents_.failed = true;
+        if (report_property_as_block(block)) return;
         std::vector<std::string> keywords{"transform", "material"};
         if (leaf_) return context_.vocabulary.report_block(block, {PluginKind::material}, std::move(keywords));
         for (const auto operation : {"union", "merge", "subtraction", "difference", "intersection", "symdiff"})
             keywords.emplace_back(operation);
         context_.vocabulary.report_block(block, {PluginKind::object}, std::move(keywords));
+    }
+
+    // `radius { }` where `radius( );` is meant.
+    bool report_property_as_block(const Block& block) {
+        return (leaf_ && leaf_->report_block(block)) || common_.report_block(block);
     }
 
     void refuse_operand(const Place& place, const std::string& what) {

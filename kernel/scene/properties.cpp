@@ -149,6 +149,12 @@ bool PropertyReader::read(const Property& property) {
     return true;
 }
 
+bool PropertyReader::report_block(const Block& block) {
+    const PropertySchema* schema = schema_.find(block.keyword);
+    if (schema) error(block.place, fmt::format("'{0}' is written with parentheses: {0}{1};", schema->name, schema->signature()));
+    return schema != nullptr;
+}
+
 bool PropertyReader::finish(const Place& place) {
     if (failed_) return false;
     for (const Requirement& requirement : schema_.requirements()) {

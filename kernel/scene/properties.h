@@ -22,6 +22,8 @@ public:
 
     // False where the schema has no property of this keyword; all else is done or reported.
     bool read(const Property& property);
+    // A block whose keyword is one of the properties: `radius { }` where `radius( );` is meant. False for other blocks.
+    bool report_block(const Block& block);
     // Checks the conditions across properties; to be called after the last property. False where one fails.
     bool finish(const Place& place);
 

@@ -162,6 +162,8 @@ private:
 
 }  // namespace
 
+bool is_transform_factor(std::string_view keyword) { return find_form(keyword) != nullptr; }
+
 const FactorForm& form_of(Kind kind) { return *std::ranges::find(forms, kind, &FactorForm::kind); }
 
 bool read_transform_block(const Block& block, TransformFactors& factors, bool needs_use, BuildContext& context) {

@@ -24,6 +24,7 @@ struct FactorForm {
     int angle;  // position of the angle among them; -1: none
     std::string_view arguments;
 };
+bool is_transform_factor(std::string_view keyword);
 const FactorForm& form_of(TransformFactor::Kind kind);
 
 }  // namespace lapidary

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "kernel/scene/properties.h"
+#include "kernel/scene/transform_blocks.h"
 
 namespace lapidary {
 
@@ -137,6 +138,10 @@ void Vocabulary::report_property(const Property& property, std::string_view owne
     // A block that was written with parentheses.
     if (!home_of(keyword).empty()) {
         messages_.error(property.place, fmt::format("'{0}' is a block: it is written {0} {{ … }}", keyword));
+        return;
+    }
+    if (is_transform_factor(keyword)) {
+        messages_.error(property.place, fmt::format("'{}' stands in `transform {{ }}`", keyword));
         return;
     }
     std::string text = fmt::format("'{}' has no property '{}'", owner, keyword);
