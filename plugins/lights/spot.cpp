@@ -27,6 +27,7 @@ public:
         schema.add("angles", &Spot::inner_, &Spot::outer_)
             .unit(Unit::angle)
             .between(0, std::numbers::pi)
+            .arguments("a, b")
             .help("From the axis to where the full light ends, and to where all of it ends.");
         schema.add("radius", &Spot::radius_)
             .unit(Unit::length)

@@ -21,6 +21,7 @@ public:
         schema.add("radii", &Cone::bottom_radius_, &Cone::top_radius_)
             .unit(Unit::length)
             .at_least(0)
+            .arguments("a, b")
             .help("Radius of the lower end and of the upper one; 0 makes a point.");
         schema.add("height", &Cone::height_).unit(Unit::length).above(0).help("From end to end.");
         schema.require("one of the radii must be above 0", [](const Cone& c) { return c.bottom_radius_ + c.top_radius_ > 0; });

@@ -17,6 +17,7 @@ public:
         schema.add("radii", &Torus::ring_, &Torus::tube_)
             .unit(Unit::length)
             .above(0)
+            .arguments("R, r")
             .help("From the centre to the middle of the tube, and of the tube itself.");
     }
 
