@@ -2,7 +2,8 @@
 //
 // direct: light from infinitely far away, in one direction, as from the sun.
 //
-// With an angle it is a disc in the sky of that diameter, as bright in all: soft shadows.
+// With an angle it is a disc in the sky of that diameter: soft shadows. A surface that faces the disc's middle meets its
+// rays at a mean cosine of (1 + cos(angle/2))/2; the disc is brighter by as much, so that the surface gets the same light.
 
 #include <lapidary/light_geometry.h>
 #include <lapidary/plugin.h>
@@ -24,9 +25,9 @@ public:
 
     Illumination toward(const Point&, const LightSample& sample) const override {
         const Vector axis = -normalize(direction_);
-        const double half_sine = std::sin(angle_ / 4);  // 1 - cos(a/2) = 2 sin(a/4)^2
-        const Vector direction = angle_ > 0 ? direction_in_cone(axis, 2 * half_sine * half_sine, sample) : axis;
-        return {direction, infinity, intensity_ * colour_};
+        if (angle_ == 0) return {axis, infinity, intensity_ * colour_};
+        const double quarter_sine = std::sin(angle_ / 4), versine = 2 * quarter_sine * quarter_sine;  // 1 - cos(angle/2)
+        return {direction_in_cone(axis, versine, sample), infinity, intensity_ / (1 - versine / 2) * colour_};
     }
 
     bool has_extent() const override { return angle_ > 0; }

@@ -48,7 +48,7 @@ private:
     double part_within(const Vector& way) const {
         const double off_axis = length(way - normalize(direction_)) / 2;
         const double inner = std::sin(inner_ / 2), outer = std::sin(outer_ / 2);
-        if (off_axis <= inner) return 1;
+        if (off_axis <= inner && inner > 0) return 1;  // angles of 0 let nothing through, angles of 180deg everything
         if (off_axis >= outer) return 0;
         const double s = (outer - off_axis) * (outer + off_axis) / ((outer - inner) * (outer + inner));
         return s * s * (3 - 2 * s);

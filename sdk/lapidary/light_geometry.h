@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "kernel/interfaces/light.h"
@@ -12,8 +13,11 @@
 
 namespace lapidary {
 
-// The length of v; not lost where its square would overflow or vanish.
-inline double distance_of(const Vector& v) { return std::hypot(v.x, v.y, v.z); }
+// The length of v, not lost where its square would overflow or vanish.
+inline double distance_of(const Vector& v) {
+    const double square = dot(v, v);
+    return square > 1e-280 && square < 1e300 ? std::sqrt(square) : std::hypot(v.x, v.y, v.z);
+}
 
 // intensity / d^2 without squaring d, and never beyond the largest finite number: what is next to a light is as bright
 // as numbers allow.

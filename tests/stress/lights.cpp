@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+//
+// Lights at their limits, T89 to T92: edges of thin cones, intensities and distances beyond what squares can hold, and the
+// light of balls and discs against closed forms.
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "kernel/interfaces/light.h"
+#include "kernel/registry/registry.h"
+#include "stress/exact.h"
+#include "support/catch.h"
+
+namespace lapidary::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+struct Setting {
+    std::string property;
+    std::vector<double> numbers;
+};
+
+std::unique_ptr<Light> make_light(const std::string& keyword, const std::vector<Setting>& settings) {
+    static Registry registry({LAPIDARY_PLUGIN_FOLDER});
+    std::string reason;
+    const Plugin* plugin = registry.find(PluginKind::light, keyword, reason);
+    REQUIRE(plugin);
+    auto light = plugin->create_light();
+    for (const Setting& setting : settings) {
+        const PropertySchema* property = plugin->schema().find(setting.property);
+        REQUIRE(property);
+        std::vector<Value> values;
+        for (double number : setting.numbers) values.push_back(number_value(number));
+        property->assign(dynamic_cast<void*>(light.get()), values);
+    }
+    return light;
+}
+
+double brightness(const Light& light, const Point& p) { return light.toward(p, {}).radiance.g; }
+
+// The light that a surface with this normal gets, over a grid of samples.
+double irradiance(const Light& light, const Point& p, const Vector& normal) {
+    constexpr int n = 400;
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const Illumination lit = light.toward(p, {(i + 0.5) / n, (j + 0.5) / n});
+            sum += lit.radiance.g * std::fmax(0, dot(lit.direction, normal));
+        }
+    return sum / (n * n);
+}
+
+}  // namespace
+
+TEST_CASE("T89: the edge of a spot of any width") {
+    for (int exponent = 1; exponent <= 11; ++exponent) {
+        const double angle = std::pow(10, -exponent);
+        CAPTURE(angle);
+        const auto light = make_light("spot", {{"angles", {angle, angle}}, {"direction", {1, 2, -2}}});
+        const Vector axis = normalize(Vector{1, 2, -2}), across = normalize(cross(axis, Vector{0.3, 0.5, 0.1}));
+        for (double part : {0.5, 0.999, 1.001, 2.0}) {
+            const Point p = to_point(std::cos(angle * part) * axis + std::sin(angle * part) * across);
+            CHECK((brightness(*light, p) > 0) == (part < 1));
+        }
+    }
+}
+
+TEST_CASE("T90: spots of 0, 90 and 180 degrees, and soft edges") {
+    const auto lit = [](double a, double b, double angle) {
+        return brightness(*make_light("spot", {{"angles", {a, b}}}), {std::sin(angle), 0, std::cos(angle)});
+    };
+    CHECK(lit(0, 0, 0) == 0);
+    CHECK(lit(0, 0, 1e-9) == 0);
+    CHECK(lit(pi / 2, pi / 2, 1.5) == Approx(1));
+    CHECK(lit(pi / 2, pi / 2, 1.6) == 0);
+    CHECK(lit(pi, pi, 3.1) == Approx(1));
+    CHECK(lit(pi, pi, pi) == Approx(1));
+    CHECK(lit(0, 1, 0) == Approx(1));
+    for (double angle : {0.35, 0.4, 0.5}) {
+        const double a = pi / 9, b = pi / 6, s = (std::cos(angle) - std::cos(b)) / (std::cos(a) - std::cos(b));
+        CHECK(lit(a, b, angle) == Approx(s * s * (3 - 2 * s)).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("T91: intensities and distances of any size") {
+    CHECK(brightness(*make_light("point", {{"intensity", {1e300}}}), {1e155, 0, 0}) == Approx(1e-10));
+    CHECK(brightness(*make_light("point", {{"intensity", {1e-300}}}), {1e-160, 0, 0}) == Approx(1e20));
+    CHECK(brightness(*make_light("point", {}), {2, 0, 0}) == 0.25);
+    CHECK(std::isfinite(brightness(*make_light("point", {}), {1e-300, 0, 0})));
+    CHECK(brightness(*make_light("point", {}), {0, 0, 0}) == 0);
+}
+
+TEST_CASE("T92: the light of balls and discs") {
+    // A ball of radiance 1 and radius 1, two away: intensity pi r^2 = pi, irradiance pi/4.
+    const auto ball = make_light("point", {{"radius", {1}}, {"intensity", {pi}}});
+    CHECK(irradiance(*ball, {0, 0, 2}, {0, 0, -1}) == Approx(pi / 4).epsilon(1e-4));
+    // As a point light far away, and at an angle at which it does not dip below the horizon.
+    CHECK(irradiance(*ball, {0, 0, 20}, {0, 0.6, -0.8}) == Approx(pi / 400 * 0.8).epsilon(1e-4));
+    // Within the ball its surface is all around: half of it above any horizon.
+    CHECK(irradiance(*ball, {0.2, 0.1, 0}, {0, 1, 0}) == Approx(pi).epsilon(1e-3));
+
+    // A disc in the sky gives a surface that faces it the light of the hard one.
+    for (double angle : {0.01, 0.5, pi})
+        CHECK(irradiance(*make_light("direct", {{"angle", {angle}}}), {3, 4, 5}, {0, 0, -1}) == Approx(1).epsilon(1e-4));
+}
+
+TEST_CASE("samples of a ball lie on it, its middle straight ahead") {
+    const auto light = make_light("point", {{"radius", {0.5}}, {"location", {1, 2, 3}}});
+    Random random(92);
+    for (int i = 0; i < 500; ++i) {
+        const Point p = to_point(random.magnitude(-1, 3) * random.direction());
+        const Illumination lit = light->toward(p, {random.uniform(0, 1), random.uniform(0, 1)});
+        const Point end = p + lit.distance * lit.direction;
+        CHECK(length(end - Point{1, 2, 3}) == Approx(0.5).epsilon(1e-5));
+        const Illumination middle = light->toward(p, {});
+        CHECK(length(cross(middle.direction, normalize(Point{1, 2, 3} - p))) <= 1e-12);
+    }
+}
+
+}  // namespace lapidary::test
