@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// What a run opens: the plugins that its scene names and nothing else. The dynamic loader itself is asked.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "support/catch.h"
+#include "support/run.h"
+#include "support/temporary_folder.h"
+
+namespace lapidary {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The libraries that a render of the scene loads, by the part of their path behind lib/lapidary/ for our own, by file
+// name for others.
+std::set<std::string> libraries_opened(const TemporaryFolder& folder, const std::string& scene) {
+    const fs::path file = folder.write("opened.scene", scene);
+    const RunResult rendered =
+        run(fmt::format("cd {0} && HOME={0} XDG_CONFIG_HOME={0}/config LD_DEBUG=files LD_DEBUG_OUTPUT={0}/loader {1} "
+                        "--resolution 16x12 -o picture.bmp {2}",
+                        quoted(folder.path()), quoted(LAPIDARY_PROGRAM), quoted(file)));
+    INFO(rendered.output);
+    CHECK(rendered.exit_code == 0);
+
+    std::set<std::string> libraries;
+    for (const auto& entry : fs::directory_iterator(folder.path())) {
+        if (!entry.path().filename().string().starts_with("loader")) continue;
+        std::ifstream log(entry.path());
+        for (std::string line; std::getline(log, line);) {
+            const std::size_t begin = line.find("calling init: ");
+            if (begin == std::string::npos) continue;
+            const std::string path = fs::path(line.substr(begin + 14)).lexically_normal().string();
+            const std::size_t ours = path.find("lib/lapidary/");
+            libraries.insert(ours == std::string::npos ? fs::path(path).filename().string() : path.substr(ours + 13));
+        }
+    }
+    return libraries;
+}
+
+std::set<std::string> plugins_of(const std::set<std::string>& libraries) {
+    std::set<std::string> plugins;
+    for (const std::string& library : libraries)
+        if (library.starts_with("plugins/")) plugins.insert(library.substr(8));
+    return plugins;
+}
+
+// The module, not the library of YAML: OpenImageIO brings that one along for its own use.
+constexpr const char* yaml_module = "modules/yaml_configuration.so";
+
+TEST_CASE("only what the scene names is opened") {
+    const TemporaryFolder folder;
+    const auto libraries = libraries_opened(folder, "lights { point { location(0,3,-3); } } objects { sphere { } }");
+    CHECK(plugins_of(libraries) == std::set<std::string>{"lights/point.so", "objects/sphere.so", "outputs/bmp.so"});
+    CHECK_FALSE(libraries.contains(yaml_module));
+}
+
+TEST_CASE("textures are opened when they are named") {
+    const TemporaryFolder folder;
+    const auto libraries = libraries_opened(
+        folder, "lights { ambient { } } objects { cube { material { checkers { solid { } solid { colour(0,0,0); } } } } }");
+    CHECK(plugins_of(libraries) == std::set<std::string>{"lights/ambient.so", "materials/checkers.so", "materials/solid.so",
+                                                         "objects/cube.so", "outputs/bmp.so"});
+}
+
+TEST_CASE("the module that reads YAML is opened for a configuration") {
+    const TemporaryFolder folder;
+    folder.write("lapidary.yaml", "threads: 1\n");
+    CHECK(libraries_opened(folder, "lights { ambient { } } objects { sphere { } }").contains(yaml_module));
+}
+
+}  // namespace
+}  // namespace lapidary
