@@ -53,7 +53,7 @@ void Parser::parse_item(Items& items) {
         skip_block();
     } else {
         loading_.error(lexer_.place(), fmt::format("expected a keyword or a name, not {}", name_of(token)));
-        skip_statement();
+        skip_to_item();
     }
 }
 
@@ -209,6 +209,15 @@ void Parser::skip_block() {
     }
     unclosed_reported_ = true;
     loading_.error(opened, "the block that is opened here is not closed: '}' is missing before the end of the file");
+}
+
+// Past everything that cannot begin an item.
+void Parser::skip_to_item() {
+    for (;;) {
+        const Token& token = lexer_.current();
+        if (token.is_word() || token.is('{') || token.is('}') || token.kind == Token::Kind::end) return;
+        if (lexer_.take().is(';')) return;
+    }
 }
 
 // Past the next ';', or past a block, or up to the '}' around.

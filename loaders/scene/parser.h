@@ -83,6 +83,7 @@ private:
     bool too_deep(const Place& place);
     void skip_block();
     void skip_statement();
+    void skip_to_item();
 
     Loading& loading_;
     const SourceFile& file_;
