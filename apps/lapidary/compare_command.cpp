@@ -12,6 +12,7 @@
 #include "apps/lapidary/replace_file.h"
 #include "kernel/math/colour.h"
 #include "lapidary/image_library.h"
+#include "lapidary/save_bytes.h"
 
 namespace lapidary {
 

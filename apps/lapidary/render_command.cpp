@@ -11,11 +11,13 @@
 #include "apps/lapidary/console.h"
 #include "apps/lapidary/interruption.h"
 #include "apps/lapidary/picture_files.h"
+#include "apps/lapidary/render_record.h"
 #include "apps/lapidary/replace_file.h"
 #include "apps/lapidary/session.h"
-#include "apps/lapidary/stages.h"
 #include "kernel/prepare/world.h"
 #include "kernel/render/render.h"
+#include "kernel/scene/print.h"
+#include "lapidary/save_bytes.h"
 
 namespace lapidary {
 
@@ -55,46 +57,77 @@ private:
 
 class RenderCommand {
 public:
-    explicit RenderCommand(const RenderArguments& arguments)
+    RenderCommand(const RenderArguments& arguments, const Words& words)
         : arguments_(arguments), console_({!arguments.no_warnings, arguments.verbose || arguments.parse_only}) {
         console_.listen_to(messages_);
+        record_.words = words;
     }
 
     ExitCode run() {
-        const ExitCode code = render_scene();
-        stages_.end();
+        record_.stages.begin("load");
+        Session session(arguments_.scene, messages_);
+        session.load();
+        record_.files = session.files();
+        const ExitCode code = carry_out(session);
+        record_.stages.end();
+        record_.plugins = session.registry().opened();
+        if (code == ExitCode::success || code == ExitCode::interrupted) tell();
+        if (arguments_.log) write_log();
         return code;
     }
 
 private:
-    ExitCode render_scene() {
-        stages_.begin("load");
-        Session session(arguments_.scene, messages_);
-        session.load();
-        stages_.begin("build");
+    ExitCode carry_out(Session& session) {
+        record_.stages.begin("build");
         const auto scene = session.build();
         if (!scene) return ExitCode::scene;
-        if (arguments_.parse_only) {
-            prepare_world(*scene, messages_);
-            return ExitCode::success;
-        }
-
         pictures_ = choose_pictures(*scene, session.registry(), {arguments_.name.value_or(""), arguments_.formats}, messages_);
         if (messages_.has_errors()) return ExitCode::output;
+        record_.scene = as_rendered(*scene);
+        return arguments_.parse_only ? show_scene() : make_pictures(*record_.scene, session);
+    }
+
+    // The scene with the command line's wishes, as it goes into the log.
+    std::shared_ptr<const Scene> as_rendered(Scene scene) const {
+        if (arguments_.error) {
+            scene.render.error = *arguments_.error;
+            scene.camera.rays.reset();
+        }
+        if (arguments_.time) scene.camera.rays.reset();
+        if (arguments_.samples) scene.camera.rays = arguments_.samples;
+        scene.output.writers.clear();
+        for (const PictureFile& picture : pictures_) scene.output.writers.push_back({picture.output, picture.plugin, {}});
+        return std::make_shared<Scene>(std::move(scene));
+    }
+
+    ExitCode show_scene() {
+        record_.stages.begin("prepare");
+        record_.world = prepare_world(*record_.scene, messages_);
+        fmt::print("{}", print_scene(*record_.scene));
+        return ExitCode::success;
+    }
+
+    ExitCode make_pictures(const Scene& scene, Session& session) {
         for (const PictureFile& picture : pictures_)
             if (!picture.path.empty()) require_writable(picture.path);
+        if (arguments_.log) require_writable(log_file());
 
-        const FrameInfo info = frame_info(*scene);
+        const FrameInfo info = frame_info(scene);
+        if (arguments_.region) record_.region = info.region;
         Frame frame(info.width, info.height, layers());
         for (PictureFile& picture : pictures_) picture.output->begin(info_for(picture, info));
 
-        stages_.begin("prepare");
-        const auto world = prepare_world(*scene, messages_);
-        stages_.begin("render");
-        const RenderReport report = render_frame(*world, *scene, session, info.region, frame);
-        stages_.begin("write");
+        record_.stages.begin("prepare");
+        record_.world = prepare_world(scene, messages_);
+        record_.stages.begin("render");
+        record_.report = render_frame(*record_.world, scene, session, info.region, frame);
+        record_.stages.begin("write");
         for (PictureFile& picture : pictures_) finish(picture, frame, info);
-        return report.complete ? ExitCode::success : ExitCode::interrupted;
+        if (Interruption::requested() && !record_.report->complete) return ExitCode::interrupted;
+        if (!record_.report->complete)
+            messages_.warning({},
+                              "the time was too short to look at every pixel once; the others are black: allow more with --time");
+        return ExitCode::success;
     }
 
     RenderReport render_frame(const World& world, const Scene& scene, Session& session, const PixelRegion& region, Frame& frame) {
@@ -110,7 +143,9 @@ private:
             for (PictureFile& picture : pictures_) picture.output->tile(finished, tile);
         };
         const Watch watch(frame, region, pictures_, console_);
-        return render(world, scene, frame, options);
+        const RenderReport report = render(world, scene, frame, options);
+        console_.end_progress();
+        return report;
     }
 
     LayerSet layers() const {
@@ -141,21 +176,43 @@ private:
         const FrameInfo own = info_for(picture, info);
         if (picture.path.empty()) return picture.output->finish(frame, own, {});
         replace_file(picture.path, [&](const std::filesystem::path& file) { picture.output->finish(frame, own, file); });
-        console_.remark(fmt::format("wrote {}", picture.path.string()));
+        record_.pictures.push_back(picture.path);
+    }
+
+    // A line for who looks on; the statistics where they were asked for.
+    void tell() {
+        if (record_.report && (console_.is_terminal() || arguments_.verbose || !record_.report->complete)) {
+            const std::string state = record_.report->complete ? "" : "interrupted: ";
+            for (const auto& picture : record_.pictures) console_.say(state + picture.string() + ": " + summary(record_));
+        }
+        for (const std::string& line : statistics(record_)) console_.remark(line);
+    }
+
+    // Beside the first picture: dice.png has dice.log.
+    std::filesystem::path log_file() const {
+        for (const PictureFile& picture : pictures_)
+            if (!picture.path.empty()) return std::filesystem::path(picture.path).replace_extension("log");
+        return arguments_.scene.file.stem() += ".log";
+    }
+
+    void write_log() {
+        const std::string text = log_text(record_, messages_.all());
+        replace_file(log_file(), [&](const std::filesystem::path& file) { save_bytes(std::as_bytes(std::span(text)), file); });
+        console_.remark("wrote " + log_file().string());
     }
 
     const RenderArguments& arguments_;
     Messages messages_;
     Console console_;
-    Stages stages_;
     std::vector<PictureFile> pictures_;
+    RenderRecord record_;
 };
 
 }  // namespace
 
 ExitCode render_command(const Words& words) {
     const auto arguments = parse_render(words);
-    return arguments ? RenderCommand(*arguments).run() : ExitCode::success;
+    return arguments ? RenderCommand(*arguments, words).run() : ExitCode::success;
 }
 
 }  // namespace lapidary

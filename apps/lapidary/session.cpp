@@ -29,7 +29,15 @@ void Session::load() {
     for (const std::string& setting : options_.settings) setting_sources_.push_back(apply_setting(setting, document_, messages_));
 }
 
+std::vector<std::string> Session::files() const {
+    std::vector<std::string> names;
+    for (const Sources* sources : {&configuration_sources_, static_cast<const Sources*>(document_.sources.get())})
+        for (const SourceFile& file : sources->files()) names.push_back(file.name);
+    return names;
+}
+
 std::shared_ptr<const Scene> Session::build() {
+    if (document_.sources->files().empty()) return nullptr;  // nothing could be read; that is all there is to say
     auto scene = build_scene(document_, *registry_, options_.file.stem().string(), messages_);
     return messages_.has_errors() ? nullptr : scene;
 }

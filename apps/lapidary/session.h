@@ -31,6 +31,8 @@ public:
 
     // Reads the file and lays the settings over it. Errors are in the messages.
     void load();
+    // The names of the files that were read.
+    std::vector<std::string> files() const;
     // Null where anything so far had errors.
     std::shared_ptr<const Scene> build();
 

@@ -5,18 +5,14 @@
 //
 //     std::shared_future<const ImageLibrary*> library = open_image_library();   // returns at once
 //     …
-//     save_bytes(library.get()->encode(picture), file);                         // throws std::runtime_error
+//     const std::vector<std::byte> bytes = library.get()->encode(picture);      // throws std::runtime_error
 #pragma once
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <future>
 #include <map>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -47,7 +43,7 @@ class ImageLibrary {
 public:
     virtual ~ImageLibrary() = default;
     // The bytes of the file. Throws std::runtime_error with a sentence.
-    virtual std::vector<std::uint8_t> encode(const Picture& picture) const = 0;
+    virtual std::vector<std::byte> encode(const Picture& picture) const = 0;
     // The file as floats: integer samples are divided by the largest one. Throws std::runtime_error with a sentence.
     virtual Picture decode(const std::filesystem::path& file) const = 0;
 };
@@ -63,20 +59,6 @@ inline const ImageLibrary* load_image_library() {
 // Opens it in the background; get() throws where it does not load.
 inline std::shared_future<const ImageLibrary*> open_image_library() {
     return std::async(std::launch::async, load_image_library).share();
-}
-
-// Writes a file whole or throws std::runtime_error with the system's reason.
-inline void save_bytes(const std::vector<std::uint8_t>& bytes, const std::filesystem::path& file) {
-    const auto check = [](bool good) {
-        if (!good) throw std::runtime_error(std::strerror(errno));
-    };
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"), [](std::FILE*) { return 0; });
-    check(stream != nullptr);
-    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream.get()) == bytes.size();
-    const int reason = errno;
-    const bool closed = std::fclose(stream.get()) == 0;
-    if (!written) errno = reason;
-    check(written && closed);
 }
 
 }  // namespace lapidary

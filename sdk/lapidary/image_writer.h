@@ -17,6 +17,7 @@
 #include "kernel/interfaces/output.h"
 #include "kernel/registry/schema.h"
 #include "lapidary/image_library.h"
+#include "lapidary/save_bytes.h"
 
 namespace lapidary {
 

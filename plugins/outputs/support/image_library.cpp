@@ -8,6 +8,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <span>
 #include <type_traits>
 
 namespace lapidary {
@@ -40,7 +41,7 @@ std::string reason_of(const std::string& error) { return error.empty() ? OIIO::g
 
 class OpenImageLibrary final : public ImageLibrary {
 public:
-    std::vector<std::uint8_t> encode(const Picture& picture) const override {
+    std::vector<std::byte> encode(const Picture& picture) const override {
         const auto output = OIIO::ImageOutput::create(picture.format);
         if (!output) throw std::runtime_error("OpenImageIO cannot write " + picture.format + " files: " + reason_of(""));
         OIIO::Filesystem::IOVecOutput memory;
@@ -56,7 +57,8 @@ public:
         };
         if (!std::visit(write, picture.samples))
             throw std::runtime_error("OpenImageIO cannot write the picture: " + reason_of(output->geterror()));
-        return memory.buffer();
+        const auto bytes = std::as_bytes(std::span(memory.buffer()));
+        return {bytes.begin(), bytes.end()};
     }
 
     Picture decode(const std::filesystem::path& file) const override {

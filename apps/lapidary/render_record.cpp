@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "apps/lapidary/render_record.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+
+#include "apps/lapidary/progress.h"
+#include "kernel/prepare/world.h"
+#include "kernel/registry/registry.h"
+#include "kernel/scene/print.h"
+
+namespace lapidary {
+
+namespace {
+
+double share(std::uint64_t part, std::uint64_t whole) {
+    return whole ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+// Never rounds up to 100.
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+    return part == whole ? "100 %" : fmt::format("{:.1f} %", std::min(100 * share(part, whole), 99.9));
+}
+
+std::string world_line(const World& world) {
+    return fmt::format("{} leaves in {} solids, {} sheets, {} lights, {} surfaces shared", world.leaves.size(),
+                       world.solids.size(), world.sheets.size(), world.lights.size() + world.ambient_lights.size(),
+                       world.surface_classes.size());
+}
+
+void add_trace(const TraceStatistics& trace, std::vector<std::string>& lines) {
+    lines.push_back(
+        fmt::format("{} camera rays, {} mirrored, {} refracted", trace.camera_rays, trace.mirrored_rays, trace.refracted_rays));
+    lines.push_back(fmt::format("{} shadow rays, {} skipped", trace.shadow_rays, trace.shadow_rays_skipped));
+    const std::uint64_t rays = trace.camera_rays + trace.mirrored_rays + trace.refracted_rays + trace.shadow_rays;
+    lines.push_back(fmt::format("{} tests of objects, {:.1f} a ray", trace.object_tests, share(trace.object_tests, rays)));
+    if (trace.march_steps) lines.push_back(fmt::format("{} boundaries met inside transparent matter", trace.march_steps));
+    if (trace.non_finite_samples)
+        lines.push_back(fmt::format("{} samples dropped that were no numbers", trace.non_finite_samples));
+}
+
+// The words as a shell would take them.
+std::string command_line(const Words& words) {
+    std::string line = "lapidary";
+    for (const std::string& word : words) {
+        const bool plain = !word.empty() && word.find_first_not_of(
+                                                "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
+                                                "_-+=.,:/@%") == std::string::npos;
+        line += ' ';
+        if (plain) {
+            line += word;
+            continue;
+        }
+        line += '\'';
+        for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        line += '\'';
+    }
+    return line;
+}
+
+// Text as comment lines, whatever line ends it holds.
+class Comment {
+public:
+    void title(const std::string& text) { body_ += "//\n// " + text + "\n"; }
+    void line(const std::string& text) {
+        body_ += "//   ";
+        for (const char c : text) body_ += c == '\n' ? std::string("\n//   ") : std::string(1, c == '\r' ? ' ' : c);
+        body_ += '\n';
+    }
+    const std::string& text() const { return body_; }
+
+private:
+    std::string body_;
+};
+
+std::string without_line_end(std::string text) {
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+}
+
+}  // namespace
+
+std::string summary(const RenderRecord& record) {
+    const RenderReport& report = record.report.value();
+    std::string text = fmt::format("{}x{} pixels in {}", record.scene->output.width, record.scene->output.height,
+                                   format_duration(report.seconds));
+    if (record.region) text = fmt::format("{}x{} of ", record.region->width(), record.region->height()) + text;
+    if (report.finished < report.pixels) text += fmt::format(", {} finished", percent(report.finished, report.pixels));
+    if (!record.scene->camera.rays)
+        text +=
+            fmt::format(", {} within an error of {:g}", percent(report.within_error, report.pixels), record.scene->render.error);
+    return text;
+}
+
+std::vector<std::string> statistics(const RenderRecord& record) {
+    std::vector<std::string> lines;
+    if (record.world) {
+        lines.push_back(world_line(*record.world));
+        lines.push_back("features: " + record.world->features.describe());
+    }
+    if (record.report) {
+        lines.push_back(fmt::format("{} samples, {:.1f} a pixel", record.report->samples,
+                                    share(record.report->samples, record.report->pixels)));
+        add_trace(record.report->trace, lines);
+    }
+    for (const Stage& stage : record.stages.all())
+        lines.push_back(fmt::format("{:<8} {:9.1f} ms", stage.name, 1e3 * stage.seconds));
+    return lines;
+}
+
+std::string log_text(const RenderRecord& record, const std::vector<Message>& messages) {
+    Comment comment;
+    comment.title("Lapidary " LAPIDARY_VERSION ", " + fmt::format("{:%F %T} UTC", fmt::gmtime(std::time(nullptr))));
+    comment.line(command_line(record.words));
+    if (record.report) {
+        comment.title(record.report->complete ? "Picture" : "Picture, interrupted");
+        comment.line(summary(record));
+        if (record.region)
+            comment.line(fmt::format("only the region {},{},{},{}", record.region->x0, record.region->y0, record.region->x1,
+                                     record.region->y1));
+        for (const auto& picture : record.pictures) comment.line(picture.string());
+    }
+    comment.title("Files");
+    for (const std::string& file : record.files) comment.line(file);
+    comment.title("Plugins");
+    for (const Plugin* plugin : record.plugins)
+        comment.line(fmt::format("{} {}: {}", name_of(plugin->kind()), plugin->keyword(), plugin->file().string()));
+    comment.title("Messages");
+    for (const Message& message : messages) comment.line(without_line_end(message.format()));
+    comment.title("Statistics");
+    for (const std::string& line : statistics(record)) comment.line(line);
+    if (!record.scene) return comment.text();
+    comment.title("Scene, as it was understood");
+    return comment.text() + "\n" + print_scene(*record.scene);
+}
+
+}  // namespace lapidary
