@@ -39,6 +39,15 @@ struct SineCosine {
     TwoPart sine, cosine;
 };
 
+// 1/(n (n-1)), the factor from one term of the Taylor series of sine or cosine to the next; a product with it is
+// several times faster than the quotient.
+constexpr int taylor_terms = 14;
+std::array<TwoPart, 2 * taylor_terms + 2> taylor_factors() {
+    std::array<TwoPart, 2 * taylor_terms + 2> factors;
+    for (std::size_t n = 2; n < factors.size(); ++n) factors[n] = TwoPart(1.0) / TwoPart(static_cast<double>(n * (n - 1)));
+    return factors;
+}
+
 // sin and cos of a double to about 100 bits. The quarter turns are subtracted with pi/2 in three parts, the rest
 // goes through the Taylor series. An angle that is a multiple of pi/2 to its last bit is meant as that multiple,
 // so that right angles map axes onto axes exactly.
@@ -53,9 +62,10 @@ SineCosine sine_cosine(double angle) {
 
     const TwoPart square = x * x;
     TwoPart sine = x, cosine = 1.0, sine_term = x, cosine_term = 1.0;
-    for (int k = 1; k <= 14; ++k) {
-        cosine_term = -(cosine_term * square) / TwoPart((2.0 * k - 1) * (2.0 * k));
-        sine_term = -(sine_term * square) / TwoPart((2.0 * k) * (2.0 * k + 1));
+    static const auto factors = taylor_factors();
+    for (std::size_t k = 1; k <= taylor_terms; ++k) {
+        cosine_term = -(cosine_term * square) * factors[2 * k];
+        sine_term = -(sine_term * square) * factors[2 * k + 1];
         cosine = cosine + cosine_term;
         sine = sine + sine_term;
     }
