@@ -47,7 +47,7 @@ public:
           registry_(registry),
           messages_(messages),
           context_{messages, NameTable(document, messages), Vocabulary(registry, messages)},
-          top_level_reader_(top_level_schema(), &top_level_, "the scene", messages) {
+          top_level_reader_(top_level_schema(), &top_level_, "scene", messages) {
         scene_->title = title;
         scene_->sources = document.sources;
     }
@@ -103,7 +103,7 @@ private:
         if (property.keyword == "plugins" || top_level_reader_.read(property)) return;
         auto known = top_level_reader_.known();
         known.emplace_back("plugins");
-        context_.vocabulary.report_property(property, "the top level", known);
+        context_.vocabulary.report_property(property, "scene", known);
     }
 
     void read_block(const Block& block) {
@@ -182,14 +182,14 @@ private:
         scene_->background = top_level_.background;
         const Place whole_scene{document_.sources && !document_.sources->files().empty() ? &document_.sources->files().front()
                                                                                          : nullptr};
+        // What stands in a block with errors was not read to its end: no complaints about what it may have used.
+        if (messages_.has_errors()) return;
         if (!rendered_) {
             messages_.warning(whole_scene, "no `objects` block: the picture shows the background only");
             auto nothing = std::make_shared<SceneNode>();
             nothing->operation = Operation::union_;
             scene_->root = std::move(nothing);
         }
-        // What stands in a block with errors was not read to its end: no complaints about what it may have used.
-        if (messages_.has_errors()) return;
         context_.names.report_unused();
         if (scene_->lights.empty()) messages_.warning(whole_scene, "no light: only what reflects the background will show");
     }

@@ -127,7 +127,7 @@ void PropertyReader::assign(const PropertySchema& schema, const Property& proper
     for (Value& value : clamped) {
         if (inside(value)) continue;
         const double nearest = range.clamp(value.number);
-        messages_.warning(value.place, fmt::format("'{}' takes numbers {}: {} was clamped to {}", schema.name, range.describe(),
+        messages_.warning(value.place, fmt::format("'{}' takes numbers {}; {} was clamped to {}", schema.name, range.describe(),
                                                    value.number, nearest));
         value.number = nearest;
     }

@@ -63,6 +63,7 @@ private:
         screen_ = {};
         PropertyReader properties(screen_schema(), &screen_, block.keyword, context_.messages);
         read_settings(block, properties, context_, [&](const Block& inner) { context_.vocabulary.report_block(inner, {}, {}); });
+        if (const Place* place = properties.place_of("location")) screen_location_ = *place;
     }
 
     // Two properties that say the same in different ways.
@@ -94,7 +95,7 @@ private:
                 camera_.screen_centre = camera_.location + view;
         } else if (screen_.location) {
             if (*screen_.location == camera_.location)
-                context_.messages.warning(properties.place_of("location") ? *properties.place_of("location") : Place{},
+                context_.messages.warning(screen_location_,
                                           "the screen's centre is the camera's location: the view runs along +z");
             else
                 camera_.screen_centre = *screen_.location;
@@ -105,6 +106,7 @@ private:
     CameraBlock camera_;
     ScreenBlock screen_;
     bool has_screen_ = false;
+    Place screen_location_;
 };
 
 class OutputReader {

@@ -104,9 +104,11 @@ private:
             return context_.vocabulary.report_property(property, "transform", factor_keywords());
         }
         if (!has_number_count(property, *form)) {
-            const int least = form->kind == Kind::scale ? 1 : form->count;
-            const std::string signature = form->kind == Kind::scale ? "(s); or scale(x, y, z)" : std::string(form->arguments);
-            return error(property.place, takes(property.keyword, signature, least, form->count, property.values.size()));
+            if (form->kind == Kind::scale)
+                return error(property.place, fmt::format("'scale' takes 1 or 3 values, not {}: scale(s); or scale(x, y, z);",
+                                                         property.values.size()));
+            return error(property.place,
+                         takes(property.keyword, std::string(form->arguments), form->count, form->count, property.values.size()));
         }
         TransformFactor factor;
         factor.kind = form->kind;
