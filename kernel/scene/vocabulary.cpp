@@ -117,7 +117,7 @@ void Vocabulary::report_block(const Block& block, const std::vector<PluginKind>&
     const std::string& keyword = block.keyword;
     for (const PluginKind kind : wanted)
         if (const Entry& entry = look_up(kind, keyword); !entry.reason.empty()) {
-            messages_.error(block.place, fmt::format("the {} '{}' was refused: {}", name_of(kind), keyword, entry.reason));
+            messages_.error(block.place, fmt::format("the {} '{}' cannot be used: {}", name_of(kind), keyword, entry.reason));
             return;
         }
     if (const std::string home = home_of(keyword); !home.empty()) {
