@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/render/frame.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace lapidary {
@@ -53,5 +54,12 @@ std::span<const float> Frame::pixel(Layer layer, int x, int y) const {
 }
 
 std::span<const float> Frame::layer(Layer layer) const { return data_[static_cast<std::size_t>(layer)]; }
+
+void Frame::raise_progress(double progress) {
+    progress = std::min(progress, 1.0);
+    double before = progress_.load(std::memory_order_relaxed);
+    while (progress > before && !progress_.compare_exchange_weak(before, progress, std::memory_order_relaxed)) {
+    }
+}
 
 }  // namespace lapidary

@@ -63,6 +63,9 @@ public:
     // How many pixels of the region to be rendered are final.
     void count_finished(std::size_t pixels) { finished_.fetch_add(pixels, std::memory_order_relaxed); }
     std::size_t finished() const { return finished_.load(std::memory_order_relaxed); }
+    // How much of the expected work is done, 0 to 1. It never falls; what is still to come is estimated from the errors.
+    void raise_progress(double progress);
+    double progress() const { return progress_.load(std::memory_order_relaxed); }
     void set_complete(bool complete) { complete_ = complete; }
     bool is_complete() const { return complete_; }
 
@@ -70,6 +73,7 @@ private:
     int width_, height_;
     std::array<std::vector<float>, layer_count> data_;
     std::atomic<std::size_t> finished_{0};
+    std::atomic<double> progress_{0};
     bool complete_ = false;
 };
 

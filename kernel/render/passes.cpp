@@ -29,11 +29,15 @@ constexpr std::array<int, 3> preview_blocks{16, 8, 4};
 constexpr std::uint32_t first_samples = 4;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
+constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
+constexpr double coarsest_tolerance = 0.064, finest_tolerance = 1e-6;  // against the clock
 
 struct Pixel {
     PixelEstimate estimate;
-    std::uint32_t taken = 0;  // samples traced, also those that were not finite
-    std::uint32_t goal = 0;   // samples to have after the next pass
+    Colour before;                                         // the colour before its samples were doubled last
+    std::uint32_t taken = 0;                               // samples traced, also those that were not finite
+    std::uint32_t goal = 0;                                // samples to have after the next pass
+    float error = std::numeric_limits<float>::infinity();  // as estimated last
 };
 
 struct Place {
@@ -84,6 +88,13 @@ float to_float(double value) {
     return static_cast<float>(std::clamp(value, -largest_float, largest_float));
 }
 
+// How many samples a pixel will still take if its error falls as it should.
+std::uint64_t samples_to_come(const Pixel& pixel, double tolerance, std::uint32_t most) {
+    std::uint64_t taken = pixel.taken;
+    for (double error = pixel.error; error > tolerance && taken < most; error *= error_after_doubling) taken *= 2;
+    return taken - pixel.taken;
+}
+
 void store(std::span<float> channels, double x, double y, double z) {
     channels[0] = to_float(x), channels[1] = to_float(y), channels[2] = to_float(z);
 }
@@ -122,25 +133,30 @@ private:
     void render_all();
     void preview();
     void sample_uniformly(int samples);
-    void sample_adaptively(double tolerance, std::uint32_t most);
+    void sample_adaptively();
     void sample_until_time_is_up();
 
     // One pass over the tiles of a region: every pixel takes samples up to its goal.
-    void trace_goals(const PixelRegion& region, bool counts_as_finished);
+    void trace_goals(const PixelRegion& region);
     void trace_tile(const PixelRegion& tile, Worker& worker);
     void trace_samples(int x, int y, Worker& worker);
     void flush(Worker& worker);
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
     // Between passes.
-    bool set_goals(const PixelRegion& region, double tolerance, std::uint32_t goal);
+    void set_goals(std::uint32_t goal);
+    // Doubles the samples of pixels above the tolerance; false where there are none.
+    bool refine_goals(const PixelRegion& region, double tolerance);
+    bool may_go_on(const Pixel& pixel) const;
     double estimated_error(int x, int y) const;
+    double spread_around(int x, int y) const;
+    double change_around(int x, int y) const;
     Colour colour_of(std::size_t pixel) const;
 
     void write_pixels(const PixelRegion& tile);
     void write_layers(Place place, const RaySample& sample);
-    void write_errors();
     void announce(const PixelRegion& tile);
+    void report_progress();
     RenderReport report();
 
     template <typename Body>
@@ -163,6 +179,7 @@ private:
     Clock::time_point begin_ = Clock::now();
     std::optional<Clock::time_point> deadline_;
     std::uint32_t first_samples_ = first_samples;
+    std::uint32_t most_samples_ = 0;             // where their number is not fixed
     int most_passes_ = 0;                        // after the first
     PixelRegion picture_;                        // all of it
     PixelRegion region_;                         // what is asked for
@@ -171,13 +188,16 @@ private:
     std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
     bool wants_layers_ = false;
 
+    std::atomic<std::uint64_t> taken_samples_{0};
+    std::uint64_t expected_samples_ = 0;  // as far as is known between passes
+
     tbb::enumerable_thread_specific<Worker> workers_;
     std::mutex announcing_;
 };
 
+// Enough even for a pixel of black and white noise, in which the error falls no faster than 1/2 n^-1/2.
 std::uint32_t most_samples(const SamplingPlan& plan) {
-    // Enough for a spread of one.
-    const double needed = plan.error > 0 ? std::pow(1 / plan.error, 1 / plan.error_exponent) : most_at_most;
+    const double needed = std::pow(0.5 / plan.error, 2);
     if (plan.refine_until_time_is_up || !(needed < most_at_most)) return most_at_most;
     return std::max(fewest_at_most, std::bit_ceil(static_cast<std::uint32_t>(needed)));
 }
@@ -202,7 +222,8 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
 
     area_ = region_;
     if (plan.samples == 0) {
-        most_passes_ = std::max(0, std::countr_zero(most_samples(plan)) - std::countr_zero(first_samples_));
+        most_samples_ = std::max(first_samples_, most_samples(plan));
+        most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
         if (!region_.is_empty()) area_ = intersection(grown(region_, most_passes_ + 1), picture_);
     }
     pixels_.resize(pixel_count(area_));
@@ -232,41 +253,36 @@ void Passes::render_all() {
     else if (plan_.refine_until_time_is_up)
         sample_until_time_is_up();
     else
-        sample_adaptively(plan_.error, most_samples(plan_));
+        sample_adaptively();
 }
 
 void Passes::sample_uniformly(int samples) {
-    for (Pixel& pixel : pixels_) pixel.goal = static_cast<std::uint32_t>(samples);
-    trace_goals(region_, true);
+    set_goals(static_cast<std::uint32_t>(samples));
+    expected_samples_ = pixels_.size() * static_cast<std::size_t>(samples);
+    trace_goals(region_);
 }
 
-void Passes::sample_adaptively(double tolerance, std::uint32_t most) {
-    for (Pixel& pixel : pixels_) pixel.goal = first_samples_;
-    trace_goals(area_, false);
+void Passes::sample_adaptively() {
+    set_goals(first_samples_);
+    expected_samples_ = guessed_refinement * pixels_.size() * first_samples_;
+    trace_goals(area_);
 
-    std::uint32_t goal = first_samples_;
-    for (int pass = 1; pass <= most_passes_ && goal < most && !is_stopped(); ++pass) {
-        goal *= 2;
+    for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
         const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
-        if (!set_goals(taking_part, tolerance, goal)) break;
-        trace_goals(taking_part, false);
+        if (!refine_goals(taking_part, plan_.error)) break;
+        trace_goals(taking_part);
     }
 }
 
 void Passes::sample_until_time_is_up() {
-    // Something everywhere first, then the first samples that estimates need.
+    // Something everywhere first, then the samples that estimates need.
     for (const std::uint32_t goal : {1u, first_samples_}) {
-        for (Pixel& pixel : pixels_) pixel.goal = goal;
-        trace_goals(region_, false);
+        set_goals(goal);
+        trace_goals(region_);
     }
-
     // Each tolerance starts from what the one before it left.
-    constexpr double coarsest = 0.064, finest = 1e-6;
-    for (double tolerance = coarsest; tolerance > finest && !is_stopped(); tolerance /= 2)
-        for (std::uint32_t goal = 2 * first_samples_; goal <= most_at_most && !is_stopped(); goal *= 2) {
-            set_goals(region_, tolerance, goal);
-            trace_goals(region_, false);
-        }
+    for (double tolerance = coarsest_tolerance; tolerance > finest_tolerance && !is_stopped(); tolerance /= 2)
+        while (!is_stopped() && refine_goals(region_, tolerance)) trace_goals(region_);
 }
 
 template <typename Body>
@@ -280,20 +296,22 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
         tbb::simple_partitioner());
 }
 
-void Passes::trace_goals(const PixelRegion& region, bool counts_as_finished) {
+void Passes::trace_goals(const PixelRegion& region) {
     for_each_tile(region, [&](const PixelRegion& tile) {
-        bool changes = false;
+        std::uint64_t samples = 0;
         for_each_pixel(tile, [&](int x, int y) {
             const Pixel& pixel = pixels_[index_of(x, y)];
-            changes |= pixel.taken < pixel.goal;
+            samples += pixel.goal - pixel.taken;
         });
-        if (!changes) return;
+        if (samples == 0) return;
 
         trace_tile(tile, workers_.local());
+        taken_samples_ += samples;
+        report_progress();
         const PixelRegion shown = intersection(tile, region_);
         if (shown.is_empty()) return;
         write_pixels(shown);
-        if (counts_as_finished && !is_stopped()) frame_.count_finished(pixel_count(shown));
+        if (plan_.samples > 0 && !is_stopped()) frame_.count_finished(pixel_count(shown));
         announce(shown);
     });
 }
@@ -398,38 +416,87 @@ Colour Passes::colour_of(std::size_t pixel) const {
 }
 
 double Passes::estimated_error(int x, int y) const {
-    const std::size_t index = index_of(x, y);
-    const PixelEstimate& own = pixels_[index].estimate;
-    if (own.count() == 0) return infinity;
-
-    const Colour colour = colour_of(index);
-    double spread = own.spread();
-    if (plan_.samples == 0) {
-        const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
-        for (int ny = around.y0; ny < around.y1; ++ny)
-            for (int nx = around.x0; nx < around.x1; ++nx) {
-                const std::size_t neighbour = index_of(nx, ny);
-                if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
-                spread = std::max(spread, pixels_[neighbour].estimate.spread() / 2);
-                spread = std::max(spread, contrast(colour, colour_of(neighbour)) / 4);
-            }
-    } else if (own.count() == 1) {
-        return infinity;  // a single sample does not tell how far it is off
-    }
-    return spread * std::pow(own.count(), -plan_.error_exponent) / brightness_scale(colour);
+    const Pixel& pixel = pixels_[index_of(x, y)];
+    const auto count = pixel.estimate.count();
+    if (count == 0) return infinity;
+    const double scale = brightness_scale(pixel.estimate.mean());
+    if (plan_.samples > 0)  // every pixel by itself; a single sample does not tell how far it is off
+        return count == 1 ? infinity : error_from_spread(pixel.estimate.spread(), count) / scale;
+    return std::max(error_from_spread(spread_around(x, y), count), error_from_change(change_around(x, y))) / scale;
 }
 
-bool Passes::set_goals(const PixelRegion& region, double tolerance, std::uint32_t goal) {
-    std::atomic<bool> any{false};
+double Passes::spread_around(int x, int y) const {
+    const std::size_t index = index_of(x, y);
+    const Colour colour = colour_of(index);
+    double spread = pixels_[index].estimate.spread();
+    const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
+    for (int ny = around.y0; ny < around.y1; ++ny)
+        for (int nx = around.x0; nx < around.x1; ++nx) {
+            const std::size_t neighbour = index_of(nx, ny);
+            if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
+            spread = std::max(spread, pixels_[neighbour].estimate.spread() / 2);
+            spread = std::max(spread, contrast(colour, colour_of(neighbour)) / 4);
+        }
+    return spread;
+}
+
+double Passes::change_around(int x, int y) const {
+    const std::uint32_t taken = pixels_[index_of(x, y)].taken;
+    if (taken <= first_samples_) return 0;
+    double squares = 0;
+    int count = 0;
+    const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
+    for (int ny = around.y0; ny < around.y1; ++ny)
+        for (int nx = around.x0; nx < around.x1; ++nx) {
+            const std::size_t index = index_of(nx, ny);
+            if (pixels_[index].taken != taken) continue;
+            const double change = contrast(pixels_[index].before, colour_of(index));
+            squares += change * change;
+            ++count;
+        }
+    return std::sqrt(squares / count);
+}
+
+void Passes::set_goals(std::uint32_t goal) {
+    for (Pixel& pixel : pixels_) pixel.goal = goal;
+}
+
+bool Passes::may_go_on(const Pixel& pixel) const {
+    // A pixel of which hardly any sample is finite will not come to rest.
+    const bool hopeless = pixel.estimate.count() < pixel.taken / 16;
+    return pixel.taken < most_samples_ && !hopeless;
+}
+
+bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
+    // All estimates first: they look at the neighbours' samples, which stay as they are meanwhile.
     for_each_tile(region, [&](const PixelRegion& tile) {
         for_each_pixel(tile, [&](int x, int y) {
             Pixel& pixel = pixels_[index_of(x, y)];
-            if (pixel.taken >= goal || estimated_error(x, y) <= tolerance) return;
-            pixel.goal = goal;
-            any.store(true, std::memory_order_relaxed);
+            if (pixel.error > tolerance) pixel.error = to_float(estimated_error(x, y));
         });
     });
-    return any;
+
+    std::atomic<std::uint64_t> to_come{0};
+    std::atomic<std::size_t> going_on{0}, going_on_in_region{0};
+    for_each_tile(region, [&](const PixelRegion& tile) {
+        std::uint64_t samples = 0;
+        std::size_t pixels = 0, pixels_in_region = 0;
+        for_each_pixel(tile, [&](int x, int y) {
+            Pixel& pixel = pixels_[index_of(x, y)];
+            if (pixel.error <= tolerance || !may_go_on(pixel)) return;
+            pixel.before = colour_of(index_of(x, y));
+            pixel.goal = 2 * pixel.taken;
+            samples += samples_to_come(pixel, tolerance, most_samples_);
+            pixels += 1;
+            pixels_in_region += is_in_region(x, y);
+        });
+        to_come += samples, going_on += pixels, going_on_in_region += pixels_in_region;
+    });
+    if (is_stopped()) return false;
+
+    expected_samples_ = taken_samples_ + to_come;
+    if (!plan_.refine_until_time_is_up) frame_.count_finished(pixel_count(region_) - going_on_in_region - frame_.finished());
+    return going_on > 0;
 }
 
 // ---- the frame -------------------------------------------------------------------------------------------------------
@@ -455,33 +522,38 @@ void Passes::write_layers(Place place, const RaySample& sample) {
     if (frame_.has(Layer::material)) frame_.pixel(Layer::material, x, y)[0] = static_cast<float>(sample.material);
 }
 
-void Passes::write_errors() {
-    if (!frame_.has(Layer::error)) return;
-    for (int y = region_.y0; y < region_.y1; ++y)
-        for (int x = region_.x0; x < region_.x1; ++x)
-            frame_.pixel(Layer::error, x, y)[0] = static_cast<float>(estimated_error(x, y));
-}
-
 void Passes::announce(const PixelRegion& tile) {
     if (!options_.on_tile) return;
     const std::lock_guard lock(announcing_);
     options_.on_tile(frame_, tile);
 }
 
+void Passes::report_progress() {
+    if (plan_.refine_until_time_is_up)
+        frame_.raise_progress(std::chrono::duration<double>(Clock::now() - begin_) / *options_.time);
+    else
+        frame_.raise_progress(static_cast<double>(taken_samples_) / static_cast<double>(expected_samples_));
+}
+
 RenderReport Passes::report() {
     RenderReport report;
     report.pixels = pixel_count(region_);
-    report.complete = !is_cancelled();
-    write_errors();
-
+    std::size_t sampled = 0;
     for (int y = region_.y0; y < region_.y1; ++y)
         for (int x = region_.x0; x < region_.x1; ++x) {
-            report.samples += pixels_[index_of(x, y)].taken;
-            report.within_error += estimated_error(x, y) <= plan_.error;
+            Pixel& pixel = pixels_[index_of(x, y)];
+            if (plan_.samples > 0) pixel.error = static_cast<float>(estimated_error(x, y));
+            if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = pixel.error;
+            report.samples += pixel.taken;
+            report.within_error += pixel.error <= plan_.error;
+            sampled += pixel.taken > 0;
         }
-    if (report.complete && frame_.finished() < report.pixels) frame_.count_finished(report.pixels - frame_.finished());
+
+    report.complete = !is_cancelled() && sampled == report.pixels;
+    if (report.complete) frame_.count_finished(report.pixels - frame_.finished());
     report.finished = frame_.finished();
     frame_.set_complete(report.complete);
+    if (report.complete) frame_.raise_progress(1);
 
     for (const Worker& worker : workers_) {
         report.trace += worker.integrand->statistics();
@@ -501,12 +573,6 @@ SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options) {
     else if (!options.error && !options.time && scene.camera.rays)
         plan.samples = std::max(1, *scene.camera.rays);
     plan.refine_until_time_is_up = options.time.has_value() && !options.error && plan.samples == 0;
-
-    // A lens and lights with extent add dimensions, in which the error falls more slowly.
-    const bool lens = scene.camera.aperture > 0 && scene.camera.points != 1;
-    const bool soft_light =
-        std::any_of(scene.lights.begin(), scene.lights.end(), [](const SceneLight& light) { return light.light->has_extent(); });
-    if (lens || soft_light) plan.error_exponent = 0.6;
     return plan;
 }
 

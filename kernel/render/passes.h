@@ -43,8 +43,7 @@ using IntegrandMaker = std::function<std::unique_ptr<Integrand>()>;
 struct SamplingPlan {
     int samples = 0;                       // of every pixel; 0: as many as the error asks for
     double error = 0.004;                  // where samples is 0
-    bool refine_until_time_is_up = false;  // go on below `error`
-    double error_exponent = 0.75;          // the error falls as n to the minus this
+    bool refine_until_time_is_up = false;  // as good as the time allows, with samples 0
 };
 
 LAPIDARY_API SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options);

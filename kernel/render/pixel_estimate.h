@@ -2,14 +2,20 @@
 //
 // What is known of a pixel from its samples: their mean, their spread, and how far the mean may still be off.
 //
-// With Owen-scrambled samples the error of a pixel that holds an edge falls as spread · n^-3/4 (n^-0.6 where a lens or
-// a light with extent adds dimensions), not as n^-1/2. The spread of the pixel's own first samples is a poor witness:
-// a pixel that happens to look flat after four samples stops at once, and such pixels dominate the error. Its neighbours
-// reveal them: the spread to reckon with is
+// With Owen-scrambled samples the error of a pixel that holds an edge falls as spread · n^-3/4, not as n^-1/2. The spread
+// of the pixel's own first samples is a poor witness: a pixel that happens to look flat after four samples stops at once,
+// and such pixels dominate the error. Its neighbours reveal them: the spread to reckon with is
 //
 //     max(own spread, ½ of the neighbours' greatest spread, ¼ of the greatest contrast to a neighbour).
 //
-// Measured (performance notes, section 6): three to four times fewer samples than uniform sampling for the same error.
+// Where a pixel holds more than a few edges (a pattern toward the horizon, soft shadows, a lens), the error falls more
+// slowly. That shows in how far the pixel's colour moved when its samples were doubled: of independent samples the move
+// is as large as the error that is left; of stratified ones it is larger than that. Over the 3×3 pixels around, the root
+// mean square of the moves is a good enough witness to be the second condition.
+//
+// Measured on a checkered floor up to the horizon behind balls, 160×120, factor of samples saved against uniform sampling
+// for the same error, and pixels off by more than twice the tolerance, at a tolerance of 0.004:
+// spread alone 3.1 and 1.0 %, with the moves 3.9 and 0.2 %; with a soft shadow besides 3.1 and 0.5 %.
 #pragma once
 
 #include <cmath>
@@ -50,6 +56,15 @@ inline double contrast(const Colour& a, const Colour& b) {
     const Colour d = a - b;
     return std::sqrt((d.r * d.r + d.g * d.g + d.b * d.b) / 3);
 }
+
+inline double error_from_spread(double spread, std::uint32_t count) {
+    const double root = std::sqrt(static_cast<double>(count));
+    return spread / (root * std::sqrt(root));  // n^-3/4
+}
+
+inline double error_from_change(double change) { return 0.8 * change; }
+
+inline constexpr double error_after_doubling = 0.5946035575013605;  // 2^-3/4
 
 // Errors are absolute up to white; of brighter light, which a picture shows as white or a viewer scales down, they are
 // relative.
