@@ -22,11 +22,12 @@ namespace fs = std::filesystem;
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-// Where the bytes end up: a link stays, and what it points to is replaced.
-fs::path follow_links(const fs::path& file) {
+// Where the bytes end up: a link stays, and what it points to, there or not, is replaced.
+fs::path follow_links(fs::path file) {
+    constexpr int most_links = 40;  // as many as the system follows
     std::error_code error;
-    const fs::path real = fs::weakly_canonical(file, error);
-    return error ? file : real;
+    for (int i = 0; i < most_links && fs::is_symlink(file, error); ++i) file = folder_of(file) / fs::read_symlink(file, error);
+    return file;
 }
 
 bool is_special(const fs::path& file) {
@@ -60,7 +61,10 @@ void require_writable(const fs::path& file) {
     if (fs::is_directory(file, error)) fail(file, "it is a folder");
     if (is_special(file)) return;
     const fs::path folder = folder_of(follow_links(file));
-    if (access(folder.c_str(), W_OK | X_OK) != 0) fail(file, std::string("its folder: ") + std::strerror(errno));
+    if (!fs::exists(folder, error)) fail(file, fmt::format("there is no folder '{}'", folder.string()));
+    if (!fs::is_directory(folder, error)) fail(file, fmt::format("'{}' is not a folder", folder.string()));
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        fail(file, fmt::format("nothing may be written into '{}': {}", folder.string(), std::strerror(errno)));
 }
 
 void replace_file(const fs::path& file, const std::function<void(const fs::path&)>& write) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
 // The writers, each through its plugin: what is in the file, down to the last step of its encoding.
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -14,6 +12,7 @@
 #include "kernel/registry/registry.h"
 #include "lapidary/image_library.h"
 #include "support/catch.h"
+#include "support/temporary_folder.h"
 
 using namespace lapidary;
 
@@ -23,13 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr float infinity_ = std::numeric_limits<float>::infinity();
 constexpr float nan_ = std::numeric_limits<float>::quiet_NaN();
-
-// A folder that is gone after the test.
-struct Folder {
-    fs::path path = fs::temp_directory_path() / ("lapidary-outputs-" + std::to_string(getpid()));
-    Folder() { fs::create_directories(path); }
-    ~Folder() { fs::remove_all(path); }
-};
 
 // A writer with its properties set as a scene would.
 class Writer {
@@ -120,11 +112,11 @@ float sample(const Picture& picture, const std::string& channel, int x, int y) {
 }  // namespace
 
 TEST_CASE("a BMP file holds each colour rounded to the nearest step of the sRGB curve") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(31, 17);  // rows of a length that needs filling up
-    Writer("bmp").write(frame, whole(frame), folder.path / "ramp.bmp");
+    Writer("bmp").write(frame, whole(frame), folder.path() / "ramp.bmp");
 
-    const auto bytes = bytes_of(folder.path / "ramp.bmp");
+    const auto bytes = bytes_of(folder.path() / "ramp.bmp");
     REQUIRE(bytes.size() > 54);
     CHECK((bytes[0] == 'B' && bytes[1] == 'M'));
     REQUIRE(little_endian(bytes, 18, 4) == 31);
@@ -141,23 +133,23 @@ TEST_CASE("a BMP file holds each colour rounded to the nearest step of the sRGB 
 }
 
 TEST_CASE("a TGA file holds 24 bits a pixel") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(8, 4);
-    Writer("tga").write(frame, whole(frame), folder.path / "ramp.tga");
-    const auto bytes = bytes_of(folder.path / "ramp.tga");
+    Writer("tga").write(frame, whole(frame), folder.path() / "ramp.tga");
+    const auto bytes = bytes_of(folder.path() / "ramp.tga");
     CHECK(little_endian(bytes, 12, 2) == 8);
     CHECK(little_endian(bytes, 14, 2) == 4);
     CHECK(bytes.at(16) == 24);
-    const Picture picture = read(folder.path / "ramp.tga");
+    const Picture picture = read(folder.path() / "ramp.tga");
     CHECK(sample(picture, "G", 5, 2) == Approx(expected_step(frame.pixel(Layer::colour, 5, 2)[1], 255) / 255.0));
 }
 
 TEST_CASE("a PNG file of 8 or 16 bits is exact to the step") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(64, 48);
     const auto [bits, steps] = GENERATE(std::pair{8, 255L}, std::pair{16, 65535L});
-    Writer("png").set("bits", {number_value(bits)}).write(frame, whole(frame), folder.path / "ramp.png");
-    const Picture picture = read(folder.path / "ramp.png");
+    Writer("png").set("bits", {number_value(bits)}).write(frame, whole(frame), folder.path() / "ramp.png");
+    const Picture picture = read(folder.path() / "ramp.png");
     REQUIRE((picture.width == 64 && picture.height == 48 && picture.channels.size() == 3));
     int wrong = 0;
     for (int y = 0; y < 48; ++y)
@@ -171,19 +163,19 @@ TEST_CASE("a PNG file of 8 or 16 bits is exact to the step") {
 }
 
 TEST_CASE("encoding(linear) writes the values as they are") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(16, 16);
-    Writer("bmp").set("encoding", {word_value("linear")}).write(frame, whole(frame), folder.path / "ramp.bmp");
-    const Picture picture = read(folder.path / "ramp.bmp");
+    Writer("bmp").set("encoding", {word_value("linear")}).write(frame, whole(frame), folder.path() / "ramp.bmp");
+    const Picture picture = read(folder.path() / "ramp.bmp");
     CHECK(sample(picture, "R", 9, 6) == Approx(std::round(255 * frame.pixel(Layer::colour, 9, 6)[0]) / 255));
 }
 
 TEST_CASE("a JPEG file comes close, and closer with more quality") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(64, 64);
     const auto error_at = [&](int quality) {
-        Writer("jpeg").set("quality", {number_value(quality)}).write(frame, whole(frame), folder.path / "ramp.jpg");
-        const Picture picture = read(folder.path / "ramp.jpg");
+        Writer("jpeg").set("quality", {number_value(quality)}).write(frame, whole(frame), folder.path() / "ramp.jpg");
+        const Picture picture = read(folder.path() / "ramp.jpg");
         double sum = 0;
         for (int i = 1; i < 64; ++i) {
             const double wanted = static_cast<double>(expected_step(frame.pixel(Layer::colour, i, i)[0], 255)) / 255;
@@ -197,7 +189,7 @@ TEST_CASE("a JPEG file comes close, and closer with more quality") {
 }
 
 TEST_CASE("an EXR file keeps every value and names its layers") {
-    const Folder folder;
+    const TemporaryFolder folder;
     Writer writer("exr");
     writer.set("bits", {number_value(32)}).set("aov", {word_value("object"), word_value("depth"), word_value("normal")});
     CHECK(writer.output().layers().has(Layer::depth));
@@ -207,9 +199,9 @@ TEST_CASE("an EXR file keeps every value and names its layers") {
     frame.pixel(Layer::depth, 3, 4)[0] = infinity_;
     frame.pixel(Layer::object, 3, 4)[0] = 1234567;
     frame.pixel(Layer::normal, 3, 4)[1] = -1;
-    writer.write(frame, whole(frame), folder.path / "ramp.exr");
+    writer.write(frame, whole(frame), folder.path() / "ramp.exr");
 
-    const Picture picture = read(folder.path / "ramp.exr");
+    const Picture picture = read(folder.path() / "ramp.exr");
     CHECK(picture.channels.size() == 8);
     CHECK(sample(picture, "Z", 3, 4) == infinity_);
     CHECK(sample(picture, "object", 3, 4) == 1234567);
@@ -222,14 +214,14 @@ TEST_CASE("an EXR file keeps every value and names its layers") {
 }
 
 TEST_CASE("a half EXR keeps whole numbers and lengths in 32 bits") {
-    const Folder folder;
+    const TemporaryFolder folder;
     Writer writer("exr");
     writer.set("aov", {word_value("depth"), word_value("object")});
     Ramp frame(4, 4, writer.output().layers());
     frame.pixel(Layer::depth, 1, 1)[0] = 70000.125f;  // beyond the largest half
     frame.pixel(Layer::object, 1, 1)[0] = 2049;       // between two halves
-    writer.write(frame, whole(frame), folder.path / "ramp.exr");
-    const Picture picture = read(folder.path / "ramp.exr");
+    writer.write(frame, whole(frame), folder.path() / "ramp.exr");
+    const Picture picture = read(folder.path() / "ramp.exr");
     CHECK(sample(picture, "Z", 1, 1) == 70000.125f);
     CHECK(sample(picture, "object", 1, 1) == 2049);
     CHECK(sample(picture, "R", 2, 2) == Approx(frame.pixel(Layer::colour, 2, 2)[0]).epsilon(1e-3));
@@ -237,13 +229,13 @@ TEST_CASE("a half EXR keeps whole numbers and lengths in 32 bits") {
 }
 
 TEST_CASE("a region becomes a file of its own size and says where it lies") {
-    const Folder folder;
+    const TemporaryFolder folder;
     const Ramp frame(40, 30);
     FrameInfo info = whole(frame);
     info.region = {10, 5, 17, 9};
     for (const std::string format : {"png", "bmp", "tga", "jpeg", "exr"}) {
         INFO(format);
-        const fs::path file = folder.path / ("part." + format);
+        const fs::path file = folder.path() / ("part." + format);
         Writer(format).write(frame, info, file);
         const Picture picture = read(file);
         CHECK((picture.width == 7 && picture.height == 4));
@@ -252,12 +244,12 @@ TEST_CASE("a region becomes a file of its own size and says where it lies") {
         const double wanted = format == "exr" ? static_cast<double>(value) : static_cast<double>(expected_step(value, 255)) / 255;
         CHECK(sample(picture, "B", 6, 3) == Approx(wanted).epsilon(1e-3));
     }
-    const Picture exr = read(folder.path / "part.exr");
+    const Picture exr = read(folder.path() / "part.exr");
     CHECK((exr.x == 10 && exr.y == 5 && exr.full_width == 40 && exr.full_height == 30));
 }
 
 TEST_CASE("the metadata tell the program, the region and whether the picture is complete") {
-    const Folder folder;
+    const TemporaryFolder folder;
     Ramp frame(40, 30);
     frame.set_complete(false);
     frame.count_finished(7);
@@ -265,15 +257,15 @@ TEST_CASE("the metadata tell the program, the region and whether the picture is 
     info.region = {10, 5, 17, 9};
     for (const std::string format : {"png", "jpeg", "exr"}) {
         INFO(format);
-        const fs::path file = folder.path / ("part." + format);
+        const fs::path file = folder.path() / ("part." + format);
         Writer(format).write(frame, info, file);
         auto texts = read(file).texts;
         CHECK(texts["Software"] == "Lapidary");
         CHECK(texts["ImageDescription"] == "ramp; 10,5,17,9 of 40x30; interrupted after 7 of 28 pixels");
     }
     frame.set_complete(true);
-    Writer("png").write(frame, whole(frame), folder.path / "whole.png");
-    CHECK(read(folder.path / "whole.png").texts["ImageDescription"] == "ramp; complete");
+    Writer("png").write(frame, whole(frame), folder.path() / "whole.png");
+    CHECK(read(folder.path() / "whole.png").texts["ImageDescription"] == "ramp; complete");
 }
 
 TEST_CASE("bits and layers that do not exist are refused by a sentence") {
