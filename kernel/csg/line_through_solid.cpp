@@ -36,6 +36,7 @@ void LineThroughSolid::start(const Ray& ray) {
     origin_size_ = std::max({std::fabs(origin_.x), std::fabs(origin_.y), std::fabs(origin_.z)});
     slabs_ = SlabLine(origin_, ray.direction);
     solid_ = nullptr;
+    placed_leaf_ = -1;
     ++stamp_;
 }
 
@@ -48,7 +49,10 @@ void LineThroughSolid::select(const Solid& solid) {
 // Takes the ray into a leaf's space about the point closest to its centre. The origin moves along the ray in the world
 // first, in two parts, so that what is multiplied by the inverse matrix is short; one more step in the leaf's own space
 // makes the point perpendicular there, too.
-LineThroughSolid::PlacedLine LineThroughSolid::placed_line(const Leaf& leaf) const {
+const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t index) {
+    if (placed_leaf_ == index) return placed_;
+    placed_leaf_ = index;
+    const Leaf& leaf = world_.leaves[index];
     const Vector& d = ray_.direction;
     const TwoPartVector from_centre = ray_.origin - leaf.placement.centre();
     const double world_step = -dot(from_centre.hi, d);
@@ -58,10 +62,11 @@ LineThroughSolid::PlacedLine LineThroughSolid::placed_line(const Leaf& leaf) con
     const Vector closest = leaf.placement.to_local(world_closest);
     const Vector direction = leaf.placement.to_local(d);
     const double step = -dot(closest, direction) / dot(direction, direction);
-    return {
+    placed_ = {
         {{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
          direction},
         world_step + step};
+    return placed_;
 }
 
 std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
@@ -75,7 +80,7 @@ std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
         if (leaf.first_surface >= 0) {
             cached.count = intersect_surfaces(leaf, out);
         } else {
-            const PlacedLine placed = placed_line(leaf);
+            const PlacedLine& placed = placed_line(index);
             cached.count = leaf.object->spans(placed.line, out);
             for (int i = 0; i < cached.count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
             if (ray_.departure.leaf == index) cached.count = remove_departure_root(out, cached.count, ray_.departure.inward);
@@ -85,7 +90,7 @@ std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
 }
 
 // A leaf that shares faces with others is the intersection of what its surfaces bound, each met at its class's t.
-int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) const {
+int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) {
     std::array<Span, most_surface_spans> common{Span::all()};
     int count = 1;
     for (std::int32_t i = 0; i < leaf.surface_count && count > 0; ++i) {
@@ -107,7 +112,7 @@ int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) const {
 
 // Where the line runs on the leaf's side of a surface: by the representative's frame and numbers, so that every leaf of
 // the class gets the same bits.
-int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) const {
+int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const bool departing = ray_.departure.surface_class == use.surface_class;
     int count = 0;
@@ -115,7 +120,7 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) const {
         count = plane_spans(surface_class, departing, out);
     } else {
         const Leaf& leaf = world_.leaves[surface_class.leaf];
-        const PlacedLine placed = placed_line(leaf);
+        const PlacedLine& placed = placed_line(surface_class.leaf);
         const Surface& surface = surface_class.surface;
         if (!surface_class.whole && surface.kind == Surface::Kind::cylinder) {
             out[0] = tube_span(placed.line, surface.a);
@@ -131,13 +136,13 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) const {
     return use.flipped ? complement(out, count) : count;
 }
 
-int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool departing, Span* out) const {
+int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool departing, Span* out) {
     if (departing) {
         out[0] = ray_.departure.inward ? Span{0, infinity} : Span{-infinity, 0};
         return 1;
     }
     const Leaf& leaf = world_.leaves[surface_class.leaf];
-    const PlacedLine placed = placed_line(leaf);
+    const PlacedLine& placed = placed_line(surface_class.leaf);
     const Vector normal{surface_class.surface.a, surface_class.surface.b, surface_class.surface.c};
     const double slope = dot(normal, placed.line.direction);
     const double distance = dot(placed.line.closest, normal) - surface_class.surface.d;
@@ -372,7 +377,7 @@ FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
 
     // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
     const Transform& placement = world_.leaves[frame].placement;
-    const PlacedLine placed = placed_line(world_.leaves[frame]);
+    const PlacedLine& placed = placed_line(frame);
     double local_t = t - placed.anchor;
     if (hit.surface_class < 0) {
         const int count = leaf.object->spans(placed.line, scratch_.data());
@@ -391,7 +396,7 @@ FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
 double LineThroughSolid::cross_sheet(std::int32_t index) {
     if (ray_.departure.leaf == index) return infinity;
     const Leaf& leaf = world_.leaves[index];
-    const PlacedLine placed = placed_line(leaf);
+    const PlacedLine& placed = placed_line(index);
     if (leaf.object->spans(placed.line, scratch_.data()) == 0) return infinity;
     return placed.anchor + scratch_[0].in;
 }

@@ -90,11 +90,11 @@ private:
         std::int32_t count = 0;
     };
 
-    PlacedLine placed_line(const Leaf& leaf) const;
+    const PlacedLine& placed_line(std::int32_t leaf);
     std::span<const Span> spans(std::int32_t leaf);
-    int intersect_surfaces(const Leaf& leaf, Span* out) const;
-    int surface_spans(const SurfaceUse& use, Span* out) const;
-    int plane_spans(const SurfaceClass& surface_class, bool departing, Span* out) const;
+    int intersect_surfaces(const Leaf& leaf, Span* out);
+    int surface_spans(const SurfaceUse& use, Span* out);
+    int plane_spans(const SurfaceClass& surface_class, bool departing, Span* out);
 
     double enter(std::int32_t node, double t);
     double leave(std::int32_t node, double t);
@@ -115,6 +115,8 @@ private:
     Point origin_;
     double origin_size_ = 0;
     SlabLine slabs_;
+    std::int32_t placed_leaf_ = -1;  // whose line placed_ is: a leaf is often asked several times in a row
+    PlacedLine placed_;
     std::uint64_t stamp_ = 0;
     std::vector<CachedSpans> cached_;
     std::vector<Span> cached_spans_;

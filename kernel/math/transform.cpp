@@ -178,18 +178,6 @@ Matrix3 round(const TwoPartMatrix3& m) {
     return rounded;
 }
 
-// v M for the row vector v.
-Vector multiply(const Vector& v, const Matrix3& m) {
-    return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
-            v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
-}
-
-// v M^T for the row vector v.
-Vector multiply_transposed(const Vector& v, const Matrix3& m) {
-    return {v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2], v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],
-            v.x * m[2][0] + v.y * m[2][1] + v.z * m[2][2]};
-}
-
 }  // namespace
 
 ExactTransform::ExactTransform() : linear_(identity_matrix()), inverse_linear_(identity_matrix()), translation_{} {}
@@ -295,16 +283,6 @@ Transform::Transform(const ExactTransform& exact)
       identity_linear_(exact.has_identity_linear()) {
     const auto& c = exact.translation();
     centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
-}
-
-Vector Transform::to_parent(const Vector& v) const { return identity_linear_ ? v : multiply(v, linear_); }
-Vector Transform::to_local(const Vector& v) const { return identity_linear_ ? v : multiply(v, inverse_linear_); }
-
-Normal Transform::to_parent(const Normal& n) const {
-    return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), inverse_linear_));
-}
-Normal Transform::to_local(const Normal& n) const {
-    return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), linear_));
 }
 
 Point Transform::to_parent(const Point& p) const { return centre_.anchor + (to_parent(to_vector(p)) + centre_.offset); }

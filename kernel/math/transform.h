@@ -28,6 +28,18 @@ struct TransformFactor {
 };
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;
+// v M for the row vector v.
+inline Vector multiply(const Vector& v, const Matrix3& m) {
+    return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
+            v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
+}
+
+// v M^T for the row vector v.
+inline Vector multiply_transposed(const Vector& v, const Matrix3& m) {
+    return {v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2], v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],
+            v.x * m[2][0] + v.y * m[2][1] + v.z * m[2][2]};
+}
+
 using TwoPartMatrix3 = std::array<std::array<TwoPart, 3>, 3>;
 
 // A composition under way: matrix, inverse and translation in two parts.
@@ -60,12 +72,14 @@ public:
     explicit Transform(const ExactTransform& exact);
 
     Point to_parent(const Point& p) const;
-    Vector to_parent(const Vector& v) const;
-    Normal to_parent(const Normal& n) const;  // by the inverse transpose; not normalised
+    Vector to_parent(const Vector& v) const { return identity_linear_ ? v : multiply(v, linear_); }
+    Normal to_parent(const Normal& n) const {  // by the inverse transpose; not normalised
+        return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), inverse_linear_));
+    }
     Bounds to_parent(const Bounds& b) const;
     Point to_local(const Point& p) const;
-    Vector to_local(const Vector& v) const;
-    Normal to_local(const Normal& n) const;
+    Vector to_local(const Vector& v) const { return identity_linear_ ? v : multiply(v, inverse_linear_); }
+    Normal to_local(const Normal& n) const { return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), linear_)); }
 
     // A^-1 (p - centre), the difference taken in two parts: keeps its digits far from the world's origin.
     Point to_local(const TwoPartPoint& p) const;
