@@ -112,7 +112,7 @@ ExitCode help_command(const Words& words) {
     Console console({});
     console.listen_to(messages);
     Sources sources;
-    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages));
+    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages), messages);
     if (arguments->topic.empty()) {
         print_keywords(*registry);
     } else if (!explain(*registry, arguments->topic)) {

@@ -28,7 +28,7 @@ ExitCode plugins_command(const Words& words) {
     Console console({});
     console.listen_to(messages);
     Sources sources;
-    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages));
+    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages), messages);
 
     fmt::print("Searched, first match wins:\n");
     for (const auto& folder : registry->search_path()) fmt::print("  {}\n", folder.string());

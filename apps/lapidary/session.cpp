@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "apps/lapidary/session.h"
 
+#include <fmt/format.h>
+
+#include <system_error>
+
 #include "apps/lapidary/settings.h"
 #include "kernel/registry/search_path.h"
 #include "kernel/scene/build.h"
@@ -9,18 +13,21 @@
 namespace lapidary {
 
 std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>& plugin_path,
-                                        const Configurations& configurations) {
-    auto registry = std::make_unique<Registry>(
-        plugin_search_path({plugin_path, configurations.user.plugin_path, configurations.project.plugin_path}));
-    registry->set_command_line_folders(plugin_path.size());
-    return registry;
+                                        const Configurations& configurations, Messages& messages) {
+    for (const std::filesystem::path& folder : plugin_path) {
+        std::error_code error;
+        if (!std::filesystem::is_directory(folder, error))
+            messages.warning({}, fmt::format("--plugin-path: there is no folder '{}'; it is passed over", folder.string()));
+    }
+    SearchPath path = plugin_search_path({plugin_path, configurations.user.plugin_path, configurations.project.plugin_path});
+    return std::make_unique<Registry>(std::move(path.folders), path.command_line_folders);
 }
 
 Session::Session(const SceneOptions& options, Messages& messages)
     : options_(options),
       messages_(messages),
       configurations_(load_configurations(configuration_sources_, messages)),
-      registry_(make_registry(options.plugin_path, configurations_)) {}
+      registry_(make_registry(options.plugin_path, configurations_, messages)) {}
 
 void Session::load() {
     LoadOptions load{options_.include_path, options_.max_items};

@@ -19,7 +19,7 @@ namespace lapidary {
 // A registry that searches the given folders first, then those of the environment, the configuration files and the
 // installation.
 std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>& plugin_path,
-                                        const Configurations& configurations);
+                                        const Configurations& configurations, Messages& messages);
 
 // What the places of messages and scenes point into lives as long as this.
 class Session {

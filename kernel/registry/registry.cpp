@@ -158,7 +158,8 @@ struct Registry::Slot {
     std::atomic<bool> ready = false;
 };
 
-Registry::Registry(std::vector<std::filesystem::path> search_path) : search_path_(std::move(search_path)) {}
+Registry::Registry(std::vector<std::filesystem::path> search_path, std::size_t command_line_folders)
+    : search_path_(std::move(search_path)), command_line_folders_(std::min(command_line_folders, search_path_.size())) {}
 
 Registry::~Registry() = default;
 
@@ -174,11 +175,6 @@ void Registry::insert_scene_folder(const std::filesystem::path& folder) {
     if (std::find(first, behind, folder) != behind) return;
     search_path_.insert(behind, folder);
     ++scene_folders_;
-}
-
-void Registry::set_command_line_folders(std::size_t count) {
-    const std::lock_guard lock(mutex_);
-    command_line_folders_ = std::min(count, search_path_.size());
 }
 
 Registry::Slot* Registry::slot(PluginKind kind, std::string_view keyword) {

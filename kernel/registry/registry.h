@@ -63,16 +63,15 @@ struct PluginListing {
 
 class LAPIDARY_API Registry {
 public:
-    // Folders in the order in which they are searched; each may hold objects/, materials/, lights/, outputs/.
-    explicit Registry(std::vector<std::filesystem::path> search_path);
+    // Folders in the order in which they are searched; each may hold objects/, materials/, lights/, outputs/. The first
+    // few may come from the command line, before those of the scene.
+    explicit Registry(std::vector<std::filesystem::path> search_path, std::size_t command_line_folders = 0);
     ~Registry();
 
     std::vector<std::filesystem::path> search_path() const;
     // Puts a folder behind those of --plugin-path and before the rest (`plugins "dir";` in a scene). What was opened
     // before stays what it is.
     void insert_scene_folder(const std::filesystem::path& folder);
-    // How many folders at the front of the path come from the command line.
-    void set_command_line_folders(std::size_t count);
 
     // Opens the plugin at first use. Null where there is none; `reason` then says why a file that is there was refused
     // (with its path), and stays empty where no file has this stem. Thread-safe.
@@ -92,7 +91,8 @@ private:
 
     mutable std::mutex mutex_;
     std::vector<std::filesystem::path> search_path_;
-    std::size_t command_line_folders_ = 0, scene_folders_ = 0;
+    const std::size_t command_line_folders_;
+    std::size_t scene_folders_ = 0;
     std::map<std::pair<PluginKind, std::string>, std::unique_ptr<Slot>> slots_;
 };
 

@@ -28,10 +28,12 @@ std::vector<fs::path> installed_plugin_folders() {
     return folders;
 }
 
+// One spelling for one folder: absolute, links followed as far as they exist, no slash at the end.
 fs::path absolute_folder(const fs::path& folder) {
     std::error_code error;
-    const fs::path absolute = fs::weakly_canonical(folder, error);
-    return error ? fs::absolute(folder, error).lexically_normal() : absolute;
+    fs::path absolute = fs::weakly_canonical(folder, error);
+    if (error) absolute = fs::absolute(folder, error).lexically_normal();
+    return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
 }  // namespace
@@ -52,15 +54,16 @@ fs::path kernel_folder() {
     return absolute_folder(library.dli_fname).parent_path();
 }
 
-std::vector<fs::path> plugin_search_path(const SearchPathSources& sources) {
-    std::vector<fs::path> path;
+SearchPath plugin_search_path(const SearchPathSources& sources) {
+    SearchPath path;
     const auto append = [&path](const std::vector<fs::path>& folders) {
         for (const fs::path& folder : folders) {
             fs::path absolute = absolute_folder(folder);
-            if (std::ranges::find(path, absolute) == path.end()) path.push_back(std::move(absolute));
+            if (std::ranges::find(path.folders, absolute) == path.folders.end()) path.folders.push_back(std::move(absolute));
         }
     };
     append(sources.command_line);
+    path.command_line_folders = path.folders.size();
     if (const char* list = std::getenv("LAPIDARY_PLUGIN_PATH")) append(split_path_list(list));
     append(sources.user_configuration);
     append(sources.project_configuration);

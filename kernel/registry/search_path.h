@@ -11,6 +11,7 @@
 // The dynamic loader's own LD_LIBRARY_PATH plays no part.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,13 @@ struct SearchPathSources {
     std::vector<std::filesystem::path> project_configuration;
 };
 
-// All of the above but the scene's; absolute, without repetitions. Folders that do not exist stay in it.
-LAPIDARY_API std::vector<std::filesystem::path> plugin_search_path(const SearchPathSources& sources);
+struct SearchPath {
+    std::vector<std::filesystem::path> folders;  // absolute, without repetitions
+    std::size_t command_line_folders = 0;        // how many of them, at the front, come from the command line
+};
+
+// All of the above but the scene's. Folders that do not exist stay in it.
+LAPIDARY_API SearchPath plugin_search_path(const SearchPathSources& sources);
 
 // "a:b/c" -> a, b/c; empty parts are left out.
 LAPIDARY_API std::vector<std::filesystem::path> split_path_list(std::string_view list);

@@ -27,8 +27,8 @@ Loaded load(const TemporaryFolder& folder, std::string_view text) {
     Loaded loaded;
     loaded.configuration = load_configuration(folder.write("lapidary.yaml", text), sources, messages);
     for (const Message& message : messages.all()) {
-        CHECK(message.severity == Severity::error);
-        loaded.messages.push_back(fmt::format("{}:{}: {}", message.line, message.column, message.text));
+        const char* const severity = message.severity == Severity::warning ? "warning: " : "";
+        loaded.messages.push_back(fmt::format("{}:{}: {}{}", message.line, message.column, severity, message.text));
     }
     return loaded;
 }
@@ -39,20 +39,26 @@ using Texts = std::vector<std::string>;
 
 TEST_CASE("a configuration sets folders and threads") {
     const TemporaryFolder folder;
-    const ScopedVariable home("HOME", "/home/somebody");
+    const ScopedVariable home("HOME", folder.path().string());
+    for (const char* name : {"plugins", "mine", "parts"}) fs::create_directory(folder.path() / name);
     const auto [configuration, messages] = load(folder,
                                                 "# of the project\n"
-                                                "plugin_path: [ ~/plugins, ./mine, /absolute ]\n"
+                                                "plugin_path: [ ~/plugins, ./mine, / ]\n"
                                                 "include_path: parts\n"
                                                 "threads: 4\n");
     CHECK(messages.empty());
-    CHECK(configuration.plugin_path == std::vector<fs::path>{"/home/somebody/plugins", folder.path() / "mine", "/absolute"});
+    CHECK(configuration.plugin_path == std::vector<fs::path>{folder.path() / "plugins", folder.path() / "mine", "/"});
     CHECK(configuration.include_path == std::vector<fs::path>{folder.path() / "parts"});
     CHECK(configuration.threads == 4);
 }
 
 TEST_CASE("an empty configuration sets nothing") {
     for (const char* text : {"", "\n", "# nothing\n", "---\n", "{}"}) CHECK(messages_of(text).empty());
+}
+
+TEST_CASE("a folder that does not exist is warned of") {
+    CHECK(messages_of("include_path: /does/not/exist") ==
+          Texts{"1:15: warning: there is no folder '/does/not/exist'; it is passed over"});
 }
 
 TEST_CASE("an unknown setting is an error with the nearest name") {
@@ -76,7 +82,7 @@ TEST_CASE("a value of the wrong kind is an error at its place") {
     CHECK(messages_of("threads:\n") == Texts{"1:1: " + threads});
     const std::string folders = "a folder is expected, or a list of folders: [one, two]";
     CHECK(messages_of("include_path: {a: b}") == Texts{"1:15: " + folders});
-    CHECK(messages_of("include_path: [a, [b]]") == Texts{"1:19: " + folders});
+    CHECK(messages_of("include_path: [/, [b]]") == Texts{"1:19: " + folders});
     CHECK(messages_of("plugin_path:\n") == Texts{"1:1: " + folders});
 }
 

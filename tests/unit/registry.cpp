@@ -120,8 +120,7 @@ TEST_CASE("the first match on the path wins, even where it is refused") {
 }
 
 TEST_CASE("a scene's folders come behind the command line's, in the order written") {
-    Registry registry({"/command/line", "/environment", "/installed"});
-    registry.set_command_line_folders(1);
+    Registry registry({"/command/line", "/environment", "/installed"}, 1);
     registry.insert_scene_folder("/scene/one");
     registry.insert_scene_folder("/scene/two");
     registry.insert_scene_folder("/scene/one");
@@ -133,7 +132,9 @@ TEST_CASE("the search path has the stated order") {
     const TemporaryFolder folder;
     const ScopedVariable variable("LAPIDARY_PLUGIN_PATH", "/environment/one::/environment/two:/command/line");
     const ScopedVariable loader_path("LD_LIBRARY_PATH", folder.path().string());
-    const std::vector<fs::path> path = plugin_search_path({{"/command/line"}, {"/user"}, {"/project", "/user"}});
+    const auto [path, from_command_line] =
+        plugin_search_path({{"/command/line", "/command/line/"}, {"/user"}, {"/project", "/user"}});
+    CHECK(from_command_line == 1);
     REQUIRE(path.size() > 5);
     CHECK(std::vector<fs::path>(path.begin(), path.begin() + 5) ==
           std::vector<fs::path>{"/command/line", "/environment/one", "/environment/two", "/user", "/project"});

@@ -12,6 +12,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace lapidary {
@@ -113,6 +114,10 @@ private:
             return;
         }
         folders.push_back(absolute(value.Scalar()));
+        std::error_code error;
+        if (!fs::is_directory(folders.back(), error))
+            messages_.warning(place(value.Mark()),
+                              fmt::format("there is no folder '{}'; it is passed over", folders.back().string()));
     }
 
     // Relative folders count from the file's own; '~/' is the home.
