@@ -77,12 +77,20 @@ inline constexpr auto permutation = [] {
 }();
 
 // A coordinate as the index of its cell modulo 256 and the place within, 0 to 1 (1 itself just below an integer next to 0,
-// where the difference rounds up: the same value, by continuity). From 2^62 on every double is a multiple of 256.
+// where the difference rounds up: the same value, by continuity).
 struct LatticeCoordinate {
     explicit LatticeCoordinate(double x) {
-        const double cell = std::floor(x);
-        index = std::fabs(cell) < 0x1p62 ? static_cast<int>(static_cast<std::int64_t>(cell) & 255) : 0;
-        fraction = x - cell;
+        if (std::fabs(x) < 0x1p31) [[likely]] {
+            int cell = static_cast<int>(x);
+            cell -= x < cell;
+            index = cell & 255;
+            fraction = x - cell;
+        } else {
+            // From 2^62 on every double is a multiple of 256.
+            const double cell = std::floor(x);
+            index = std::fabs(cell) < 0x1p62 ? static_cast<int>(static_cast<std::int64_t>(cell) & 255) : 0;
+            fraction = x - cell;
+        }
     }
     int index;
     double fraction;
