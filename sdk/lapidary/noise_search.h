@@ -26,7 +26,7 @@ Crossing next_change_of_noise(const MaterialLine& line, double from, double to, 
         const NoiseSample sample = noise_with_gradient(line.at(t));
         return Slope{sample.value, dot(sample.gradient, line.direction)};
     };
-    const FirstChange search(noise_along, noise_curvature_bound * speed * speed, range_of);
+    FirstChange search(noise_along, noise_curvature_bound * speed * speed, range_of);
     const double t = search.find(from, std::fmin(to, from + noise_search_limit / speed), 0.25 / speed);
     return t < to ? Crossing{t, Normal(noise_with_gradient(line.at(t)).gradient)} : Crossing{};
 }

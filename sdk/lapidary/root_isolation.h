@@ -11,6 +11,8 @@
 // An interval that is neither is halved, the nearer half first. Near a simple crossing this ends after a few halvings;
 // where the function only touches the end of a range, it ends when K r^2 / 2 is less than rounding makes of f itself: what
 // would cross and cross back within is thinner than the function's values can express, and counts as not crossed.
+// Where a line runs in the very end of a range for a while (noise is 0 all along some edges of its lattice), no halving
+// shows anything; after thousands of them the ends of what is left decide.
 #pragma once
 
 #include <cmath>
@@ -33,9 +35,10 @@ public:
 
     // The first t in from < t <= to whose range is not that of `from`; infinity where there is none. The t found is the
     // first double on the far side. Intervals begin no wider than `step`.
-    double find(double from, double to, double step) const {
+    double find(double from, double to, double step) {
         const auto range = range_of_(function_(from).value);
         for (double a = from; a < to;) {
+            halvings_left_ = most_halvings;
             const double b = std::fmin(a + step, to);
             if (!(b > a)) return infinity;  // the step is lost in rounding: the line is too far out
             const double t = find_within(a, b, range);
@@ -48,9 +51,11 @@ public:
 private:
     // Above the rounding of a value of about 1.
     static constexpr double rounding = 0x1p-50;
+    // In a step; a simple crossing or a touch takes less than two hundred.
+    static constexpr int most_halvings = 4096;
 
     template <class Range>
-    double find_within(double a, double b, Range range) const {
+    double find_within(double a, double b, Range range) {
         const double middle = a + (b - a) / 2, r = (b - a) / 2;
         const Slope at_middle = function_(middle);
         const double bend = curvature_ * r * r / 2;
@@ -58,7 +63,7 @@ private:
         if (range_of_(at_middle.value - reach) == range && range_of_(at_middle.value + reach) == range) return infinity;
 
         const bool monotone = std::fabs(at_middle.slope) > curvature_ * r;
-        if (monotone || bend < rounding || !(a < middle && middle < b))
+        if (monotone || bend < rounding || !(a < middle && middle < b) || --halvings_left_ < 0)
             return range_of_(function_(b).value) == range ? infinity : bisect(a, b, range);
 
         const double t = find_within(a, middle, range);
@@ -78,6 +83,7 @@ private:
     const Function& function_;
     double curvature_;
     const RangeOf& range_of_;
+    int halvings_left_ = most_halvings;
 };
 
 }  // namespace lapidary
