@@ -4,14 +4,14 @@
 //
 //     q(p) = p + amount (T(p), T(p + o1), T(p + o2)),   T(p) = sum over i < n of |noise(2^i p)| / 2^i.
 //
-// Boundaries are those of the child along the curve q(p(t)). The curve has corners, where an octave passes 0, so they
-// are isolated by distances alone: over an interval of half width r about a middle m,
+// Boundaries are those of the child along the curve q(p + s u), u the line's unit vector. From where it is, the curve gets
+// no farther in s than
 //
-//     |q(t) - q(m)| <= |d| r + |amount| sqrt(R0^2 + R1^2 + R2^2),
+//     |u + amount (T0', T1', T2')| s + |amount| |(stray0(s), stray1(s), stray2(s))|
 //
-// with Ri the reach of each T (lapidary/turbulence.h), and where the child is clear of boundaries that far around q(m), there
-// is none in the interval. Otherwise it is halved. As the reach follows the slope that the curve has there, not the steepest that
-// it could have anywhere, intervals stay wide.
+// with the slope and stray of each T (lapidary/turbulence.h); and as far as the child is clear of boundaries around it there is
+// none on the way. So the search strides along the line by what is surely free. As the bound follows the slope that the
+// curve has there, not the steepest that it could have anywhere, a dozen strides lead to a boundary.
 
 #include <lapidary/plugin.h>
 
@@ -71,48 +71,52 @@ public:
     bool may_have_relief() const override { return child_->may_have_relief(); }
 
 private:
-    // The first place where the region that the child names changes along the line.
+    // Strides along a line to the first place where the child's region changes.
     class Search {
     public:
         Search(const Turbulence& texture, const MaterialLine& line)
             : texture_(texture), line_(line), speed_(length(line.direction)), direction_(line.direction / speed_) {}
 
-        double find(double from, double to) {
-            for (double a = from; a < to && budget_ > 0;) {
-                const double b = std::fmin(a + widest / speed_, to);
-                if (!(b > a)) return infinity;  // the step is lost in rounding: the line is too far out
-                const double t = find_within(a, b);
-                if (t < infinity) return t;
-                a = b;
+        double find(double from, double to) const {
+            double t = from;
+            int pressed = 0;  // strides in a row that were made though nothing was surely free
+            for (int strides = 0; strides < most_strides && t < to; ++strides) {
+                const double free = t + free_stride(line_.at(t)) / speed_;
+                const double next = std::fmin(to, std::fmax(free, t + pressed_stride(pressed) / speed_));
+                if (!(next > t)) return infinity;  // the stride is lost in rounding: the line is too far out
+                pressed = next > free ? pressed + 1 : 0;
+                if (pressed > 0) {
+                    const std::uint64_t here = region(t);
+                    if (region(next) != here) return bisect(t, next, here);
+                }
+                t = next;
             }
             return infinity;
         }
 
     private:
-        // What two boundaries must be apart along the line, in the texture's units, to be told from none.
-        static constexpr double resolution = 0x1p-32;
-        static constexpr double widest = 0.5;
+        // How far apart two boundaries along the line must be, in the texture's units, to be told from none.
+        static constexpr double resolution = 0x1p-24;
+        static constexpr double longest_stride = 1;
+        // An endless line that meets nothing in so many strides is taken to meet nothing.
+        static constexpr int most_strides = 1 << 16;
 
-        double find_within(double a, double b) {
-            const double middle = a + (b - a) / 2, r = (b - a) / 2;
-            if (--budget_ < 0 || is_clear(middle, r)) return infinity;
-            if (r * speed_ < resolution || !(a < middle && middle < b)) {
-                const std::uint64_t near = region(a);
-                return region(b) == near ? infinity : bisect(a, b, near);
-            }
-            const double t = find_within(a, middle);
-            return t < infinity ? t : find_within(middle, b);
-        }
+        // A line that runs in a boundary for a while is never clear of it; there the strides grow.
+        static double pressed_stride(int pressed) { return std::fmin(std::ldexp(resolution, pressed / 64), longest_stride); }
 
-        bool is_clear(double middle, double r) const {
-            const Point p = line_.at(middle);
-            const double radius = r * speed_;
-            const TurbulenceReach x = turbulence_reach(p, direction_, radius, texture_.octaves_);
-            const TurbulenceReach y = turbulence_reach(p + offset1, direction_, radius, texture_.octaves_);
-            const TurbulenceReach z = turbulence_reach(p + offset2, direction_, radius, texture_.octaves_);
-            const double reach = radius + std::fabs(texture_.amount_) * length(Vector{x.reach, y.reach, z.reach});
-            const Point q = p + texture_.amount_ * Vector{x.value, y.value, z.value};
-            return texture_.child_->clearance(q) > reach;
+        double free_stride(const Point& p) const {
+            const int octaves = texture_.octaves_;
+            const double amount = texture_.amount_;
+            const TurbulenceExpansion x(p, direction_, octaves), y(p + offset1, direction_, octaves),
+                z(p + offset2, direction_, octaves);
+            const double clearance = texture_.child_->clearance(p + amount * Vector{x.value(), y.value(), z.value()});
+            const double pace = length(direction_ + amount * Vector{x.slope(), y.slope(), z.slope()});
+            const auto reach = [&](double s) {
+                return pace * s + std::fabs(amount) * length(Vector{x.stray(s), y.stray(s), z.stray(s)});
+            };
+            double s = std::fmin(clearance / pace, longest_stride);
+            while (s > resolution && !(reach(s) < clearance)) s *= 0.75;
+            return s > resolution ? s : 0;
         }
 
         double bisect(double a, double b, std::uint64_t near) const {
@@ -129,8 +133,6 @@ private:
         const MaterialLine& line_;
         double speed_;
         Vector direction_;
-        // A line that runs in a boundary is never clear of it; such a search is given up.
-        int budget_ = 1 << 16;
     };
 
     Point stirred(const Point& p) const {

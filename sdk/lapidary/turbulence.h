@@ -39,22 +39,42 @@ inline NoiseSample turbulence_with_gradient(const Point& p, int n) {
     return sum;
 }
 
-// T at p, and how far from it T can be within `radius` of p along the unit vector `direction` and against it. An octave of
-// frequency f and height 1/f has a slope of at most |noise'| + |noise''| f r / 2 there, and no more than noise's steepest.
-struct TurbulenceReach {
-    double value = 0, reach = 0;
-};
-
-inline TurbulenceReach turbulence_reach(const Point& p, const Vector& direction, double radius, int n) {
-    TurbulenceReach sum;
-    double scale = 1;
-    for (int i = 0; i < n; ++i, scale *= 2) {
-        const NoiseSample octave = noise_with_gradient(scaled(p, scale));
-        const double slope = std::fabs(dot(octave.gradient, direction)) + noise_curvature_bound * scale * radius / 2;
-        sum.value += std::fabs(octave.value) / scale;
-        sum.reach += std::fmin(slope, noise_slope_bound) * radius;
+// T along the line p + s u, expanded at s = 0: T = value + slope s, to within stray(s).
+//
+// An octave of frequency f is |x|/f with x = noise(f p); along the line x has the slope f g, g the slope of noise there, and a
+// second derivative of at most f^2 K. Without the absolute value, x/f would stray from its tangent by f K s^2 / 2. Where x passes
+// 0 within s, |x| turns round, and strays by as much again as x goes beyond, twice over. All in all, no octave gets ahead of its
+// tangent faster than its own steepest slope and the tangent's.
+class TurbulenceExpansion {
+public:
+    TurbulenceExpansion(const Point& p, const Vector& unit_direction, int octaves) : octaves_(octaves) {
+        double frequency = 1;
+        for (int i = 0; i < octaves; ++i, frequency *= 2) {
+            const NoiseSample sample = noise_with_gradient(scaled(p, frequency));
+            height_[i] = std::fabs(sample.value) / frequency;
+            steepness_[i] = dot(sample.gradient, unit_direction);
+            value_ += height_[i];
+            slope_ += std::copysign(1, sample.value) * steepness_[i];
+            steepness_[i] = std::fabs(steepness_[i]);
+        }
     }
-    return sum;
-}
+
+    double value() const { return value_; }
+    double slope() const { return slope_; }
+
+    double stray(double s) const {
+        double sum = 0, bend = noise_curvature_bound * s * s / 2;
+        for (int i = 0; i < octaves_; ++i, bend *= 2) {
+            const double beyond = std::fmax(0, steepness_[i] * s + bend - height_[i]);
+            sum += std::fmin(bend + 2 * beyond, (steepness_[i] + noise_slope_bound) * s);
+        }
+        return sum;
+    }
+
+private:
+    int octaves_;
+    double value_ = 0, slope_ = 0;
+    double height_[most_octaves], steepness_[most_octaves];
+};
 
 }  // namespace lapidary
