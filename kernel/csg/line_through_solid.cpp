@@ -394,8 +394,14 @@ FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
 }
 
 double LineThroughSolid::cross_sheet(std::int32_t index) {
-    if (ray_.departure.leaf == index) return infinity;
     const Leaf& leaf = world_.leaves[index];
+    if (leaf.first_surface >= 0) {
+        // The plane that it shares: inside of it on one side of t.
+        std::array<Span, most_surface_spans> side;
+        if (surface_spans(world_.surface_uses[leaf.first_surface], side.data()) == 0) return infinity;
+        return side[0].in > -infinity ? side[0].in : side[0].out;
+    }
+    if (ray_.departure.leaf == index) return infinity;
     const PlacedLine& placed = placed_line(index);
     if (leaf.object->spans(placed.line, scratch_.data()) == 0) return infinity;
     return placed.anchor + scratch_[0].in;

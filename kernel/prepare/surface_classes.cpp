@@ -200,8 +200,12 @@ private:
     void gather() {
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
             const Leaf& leaf = world_.leaves[i];
-            if (leaf.object->is_sheet()) continue;
-            const Surfaces surfaces = leaf.object->surfaces();
+            Surfaces surfaces = leaf.object->surfaces();
+            if (leaf.object->is_sheet()) {
+                // A sheet bounds nothing, but may lie in a face: its one plane takes part.
+                if (surfaces.empty()) continue;
+                surfaces.resize(1);
+            }
             if (surfaces.empty() && leaf.object->max_spans() <= 2) add(place_whole(leaf), static_cast<std::int32_t>(i), 0);
             for (std::size_t face = 0; face < surfaces.size(); ++face)
                 add(place(leaf, surfaces[face]), static_cast<std::int32_t>(i), static_cast<std::int32_t>(face));
