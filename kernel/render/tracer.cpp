@@ -22,6 +22,7 @@ struct Path {
     double weight = 1;
     int depth = 0;
     double travelled = 0;
+    std::uint64_t branch = 1;  // as in PathEvent
 };
 
 // A place where the ray meets a face of a solid or a boundary within matter, with all that shading asks.
@@ -62,11 +63,15 @@ struct Tracer::Implementation {
     double pixel_footprint;
     TraceStatistics statistics;
     RayThroughWorld ray_through_world, shadow_through_world;
+    std::function<void(const PathEvent&)> observer;
     std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
 
     Colour radiance(const Ray& ray, const Path& path, RaySample* first);
     Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
-    Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path);
+    enum class Turn : std::uint8_t { mirrored, refracted };
+    Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path,
+                         Turn turn);
+    void tell_observer(const Ray& ray, const Encounter& encounter, const Path& path, const Colour& passed) const;
 
     std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
     std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
@@ -286,10 +291,15 @@ Tracer::Implementation::Lit Tracer::Implementation::light(const Ray& ray, const 
 
 // Follows a path from an encounter, or ends it with the background where it counts too little.
 Colour Tracer::Implementation::continue_path(const Ray& from, const Encounter& e, const Vector& direction, double weight,
-                                             const Path& path) {
-    const Path next{path.weight * weight, path.depth + 1, e.travelled};
+                                             const Path& path, Turn turn) {
+    const Path next{path.weight * weight, path.depth + 1, e.travelled, 2 * path.branch + (turn == Turn::refracted)};
     if (next.depth > settings.depth || next.weight < settings.cutoff) return world.background;
     return radiance(depart(from, e, direction), next, nullptr);
+}
+
+void Tracer::Implementation::tell_observer(const Ray& ray, const Encounter& e, const Path& path, const Colour& passed) const {
+    observer(
+        {path.branch, path.weight, e.travelled, e.point, ray.direction, e.geometric, e.index_before, e.index_behind, passed});
 }
 
 Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const Path& path) {
@@ -311,14 +321,15 @@ Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const P
         const double below = dot(direction, e.geometric);
         if (below < 0) direction = renormalize(direction - 2 * below * to_vector(e.geometric));
         ++statistics.mirrored_rays;
-        result += mirrored_weight * continue_path(ray, e, direction, mirrored_weight, path);
+        result += mirrored_weight * continue_path(ray, e, direction, mirrored_weight, path, Turn::mirrored);
     }
     if (refracted_weight > 0) {
         const double eta = e.index_before / e.index_behind;
         std::optional<Vector> direction = eta == 1 ? ray.direction : refract(ray.direction, e.shading, eta);
         if (direction && dot(*direction, e.geometric) >= 0) direction = refract(ray.direction, e.geometric, eta);
         ++statistics.refracted_rays;
-        result += refracted_weight * (direction ? continue_path(ray, e, *direction, refracted_weight, path) : world.background);
+        result += refracted_weight *
+                  (direction ? continue_path(ray, e, *direction, refracted_weight, path, Turn::refracted) : world.background);
     }
     return result;
 }
@@ -357,6 +368,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
         }
         from = to;
         if (!encounter) continue;
+        if (observer) tell_observer(ray, *encounter, path, passed);
         if (lets_pass(*encounter)) {
             gathered += passed * light(ray, *encounter).highlight;
             continue;
@@ -379,6 +391,8 @@ void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
         samples[i].colour = implementation_->radiance(rays[i], Path{}, &samples[i]);
     }
 }
+
+void Tracer::observe(std::function<void(const PathEvent&)> observer) { implementation_->observer = std::move(observer); }
 
 const TraceStatistics& Tracer::statistics() const { return implementation_->statistics; }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -38,6 +39,19 @@ struct TraceStatistics {
     LAPIDARY_API TraceStatistics& operator+=(const TraceStatistics& other);
 };
 
+// A face that a path met, for those who want to see how a colour came about.
+struct PathEvent {
+    // The way that led here: 1 is the camera ray; a mirrored ray appends a bit 0, a refracted one a bit 1.
+    std::uint64_t branch = 1;
+    double weight = 1;     // of the path in the pixel, up to here
+    double travelled = 0;  // length of the path up to here
+    TwoPartPoint point;
+    Vector direction;  // of the ray that arrived
+    Normal normal;     // unit, toward the viewer, not bent by relief
+    double index_before = 1, index_behind = 1;
+    Colour transmittance;  // of the media on the last stretch
+};
+
 // One per thread: it owns scratch memory. Results do not depend on which tracer traces a ray or on what it traced before.
 class LAPIDARY_API Tracer {
 public:
@@ -51,6 +65,9 @@ public:
     void trace(std::span<const Ray> rays, std::span<RaySample> samples);
 
     const TraceStatistics& statistics() const;
+
+    // Is told of every face that a path meets, in the order of a depth-first walk. Changes no result.
+    void observe(std::function<void(const PathEvent&)> observer);
 
 private:
     struct Implementation;
