@@ -26,7 +26,9 @@ function(lapidary_add_plugin kind file)
   target_compile_features(${target} PRIVATE cxx_std_20)
   # Contraction of a*b+c would break error-free transformations; with the other two the compiler vectorises sqrt.
   target_compile_options(${target} PRIVATE
-    -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden -fvisibility-inlines-hidden)
+    -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden -fvisibility-inlines-hidden
+    $<$<BOOL:${LAPIDARY_ARCHITECTURE}>:-march=${LAPIDARY_ARCHITECTURE}>
+    $<$<STREQUAL:$<CONFIG>,>:-O3>)  # a project without a build type would get no optimisation at all
   set_target_properties(${target} PROPERTIES
     PREFIX "" SUFFIX ".so" OUTPUT_NAME ${keyword}
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${LAPIDARY_PLUGIN_FOLDER}/${kind})
