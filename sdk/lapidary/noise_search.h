@@ -28,7 +28,10 @@ Crossing next_change_of_noise(const MaterialLine& line, double from, double to, 
     };
     FirstChange search(noise_along, noise_curvature_bound * speed * speed, range_of);
     const double t = search.find(from, std::fmin(to, from + noise_search_limit / speed), 0.25 / speed);
-    return t < to ? Crossing{t, Normal(noise_with_gradient(line.at(t)).gradient)} : Crossing{};
+    if (!(t < to)) return {};
+    // Where noise touches a level with no slope, nothing but the line itself tells a direction.
+    const Vector gradient = noise_with_gradient(line.at(t)).gradient;
+    return {t, Normal(gradient == Vector{} ? line.direction : gradient)};
 }
 
 }  // namespace lapidary
