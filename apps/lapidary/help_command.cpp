@@ -10,6 +10,7 @@
 #include "apps/lapidary/console.h"
 #include "apps/lapidary/session.h"
 #include "kernel/registry/help.h"
+#include "kernel/scene/settings_blocks.h"
 
 namespace lapidary {
 
@@ -19,35 +20,19 @@ constexpr PluginKind kinds[] = {PluginKind::object, PluginKind::material, Plugin
 
 // What the language itself has, beside the plugins.
 struct LanguageKeyword {
-    std::string_view keyword, explanation;
+    std::string_view keyword;
+    std::string_view explanation;
+    const SchemaBase& (*schema)() = nullptr;  // of a block with properties; it explains itself
 };
 
 constexpr LanguageKeyword language[] = {
-    {"camera",
-     "camera { … }: where the picture is taken from.\n"
-     "  projection(perspective | orthographic)  parallel rays for the latter\n"
-     "  location(x,y,z)       (0,0,0)\n"
-     "  look_at(x,y,z)        turns the view\n"
-     "  up(x,y,z)             (0,1,0)\n"
-     "  angle(a)              horizontal field of view\n"
-     "  screen { location(x,y,z); size(w,h); }  the window that the picture is seen through\n"
-     "  focus(d)              10: distance of the plane that is sharp\n"
-     "  aperture(a)           0.2: lens diameter\n"
-     "  points(n)             1: lens points calculated beforehand; 0: a new one for every ray\n"
-     "  rays(n)               rays a pixel; without it, as many as the error asks for\n"},
+    {"camera", "", camera_schema},
+    {"screen", "", screen_schema},
+    {"output", "", output_schema},
+    {"render", "", render_schema},
     {"objects", "objects { … }: what is rendered: objects and CSG operations. The last such block counts.\n"},
     {"lights", "lights { … }: what shines. Such blocks add up.\n"},
     {"background", "background(r,g,b);: what rays that meet nothing return; black unless given.\n"},
-    {"output",
-     "output { … }: what becomes of the picture.\n"
-     "  resolution(w,h)       (640,480)\n"
-     "  name(\"file\")          the scene's name\n"
-     "  and any number of writers with their properties: png { bits(16); }\n"},
-    {"render",
-     "render { … }: how much work is spent.\n"
-     "  depth(n)              16: reflections and refractions along a path\n"
-     "  cutoff(w)             1/1024: weight in the pixel below which a path ends\n"
-     "  error(e)              0.004: estimated error of a pixel at which sampling stops\n"},
     {"union", "union { … } with { … }: all points of either. The faces inside it still exist.\n"},
     {"merge", "merge { … } with { … }: all points of either, without faces inside.\n"},
     {"subtraction", "subtraction { … } with { … }: the points of the first that are not in the others. Also: difference.\n"},
@@ -92,7 +77,7 @@ bool explain(Registry& registry, const std::string& topic) {
         found = true;
     };
     for (const LanguageKeyword& word : language)
-        if (word.keyword == topic) print(word.explanation);
+        if (word.keyword == topic) print(word.schema ? help_text(word.schema(), topic) : std::string(word.explanation));
     for (const PluginKind kind : kinds) {
         std::string reason;
         if (const Plugin* const plugin = registry.find(kind, topic, reason))

@@ -61,12 +61,21 @@ private:
             if (writer.plugin->keyword() == keyword) return files_.push_back({writer.output, writer.plugin, {}});
         std::string reason;
         const Plugin* const plugin = registry_.find(PluginKind::output, keyword, reason);
-        if (plugin) return files_.push_back({plugin->create_output(), plugin, {}});
+        if (plugin) return files_.push_back({create(*plugin), plugin, {}});
         if (reason.empty()) {
             reason = "there is no output '" + keyword + "' in";
             for (const fs::path& folder : registry_.search_path()) reason += " " + folder.string();
         }
         messages_.error({}, reason + "; lapidary plugins lists what there is");
+    }
+
+    // A writer that the scene does not name; what the output block says for all of them holds for it.
+    std::shared_ptr<Output> create(const Plugin& plugin) const {
+        std::shared_ptr<Output> output = plugin.create_output();
+        const PropertySchema* const encoding = plugin.schema().find("encoding");
+        if (encoding && scene_.output.encoding)
+            encoding->assign(dynamic_cast<void*>(output.get()), {word_value(*scene_.output.encoding)});
+        return output;
     }
 
     void name_files() {

@@ -12,9 +12,9 @@ OutputSettings build_output(const Block& block, BuildContext& context);
 RenderSettings build_render(const Block& block, BuildContext& context);
 
 // What the schemas of these blocks say, for checking, help and printing.
-const SchemaBase& camera_schema();
-const SchemaBase& screen_schema();
-const SchemaBase& output_schema();
-const SchemaBase& render_schema();
+LAPIDARY_API const SchemaBase& camera_schema();
+LAPIDARY_API const SchemaBase& screen_schema();
+LAPIDARY_API const SchemaBase& output_schema();
+LAPIDARY_API const SchemaBase& render_schema();
 
 }  // namespace lapidary
