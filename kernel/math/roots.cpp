@@ -4,55 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <utility>
 
 namespace lapidary {
 
-// In a space where the apex is the origin and heights are measured in units of 1/slope, the double cone is
-// x^2 + z^2 <= y^2. With the form q(p, w) = px wx + pz wz - py wy, the line o + t d is inside where
-//
-//     A t^2 + 2 B t + C <= 0,   A = q(d, d),  B = q(o, d),  C = q(o, o),
-//
-// and A and C factor into differences of lengths. The discriminant needs no B at all:
-//
-//     B^2 - A C = cx^2 + cz^2 - cy^2,   c = o x d,
-//
-// which keeps its digits for lines that pass the apex as closely as doubles can tell. The roots are t = k / A and
-// t = C / k with k = -(B + sign(B) sqrt(B^2 - A C)), which never subtracts; A = 0, a line parallel to a generator,
-// sends the first of them to infinity, where it belongs.
 int double_cone_spans(const LocalLine& line, double slope, double apex, Span out[2]) {
-    Vector o{line.closest.x, slope * (line.closest.y - apex), line.closest.z};
-    Vector d{line.direction.x, slope * line.direction.y, line.direction.z};
-    const double shrink = normalizing_power_of_two(larger_magnitude(o.x, larger_magnitude(o.y, o.z)));
-    const double slow = normalizing_power_of_two(larger_magnitude(d.x, larger_magnitude(d.y, d.z)));
-    const double unit = slow * (1 / shrink);
-    o = shrink * o;
-    d = slow * d;
-
-    const auto form = [](const Vector& p) {
-        const double across = std::sqrt(p.x * p.x + p.z * p.z), along = std::fabs(p.y);
-        return (across - along) * (across + along);
-    };
-    const Vector c = cross(o, d);
-    const double discriminant = form({c.x, c.y, c.z});
-    const double a = form(d), b = o.x * d.x + o.z * d.z - o.y * d.y, constant = form(o);
-
-    if (!(discriminant > 0)) {
-        // The line touches the cone or passes through its apex: it lies in one piece on one side.
-        const bool inside = a < 0 || (a == 0 && constant < 0);
-        if (inside) out[0] = Span::all();
-        return inside ? 1 : 0;
-    }
-    const double k = -(b + std::copysign(std::sqrt(discriminant), b));
-    double first = k / a * unit, second = constant / k * unit;
-    if (second < first) std::swap(first, second);
-    if (!(a < 0)) {
-        out[0] = {first, second};
-        return out[0].is_empty() ? 0 : 1;
-    }
-    out[0] = {-infinity, first};
-    out[1] = {second, infinity};
-    return 2;
+    const DoubleConePieces pieces = double_cone_pieces(line, slope, apex);
+    int count = 0;
+    for (const Span& piece : {pieces.first, pieces.second})
+        if (!piece.is_empty()) out[count++] = piece;
+    return count;
 }
 
 namespace {

@@ -94,8 +94,50 @@ inline Span half_space_span(const LocalLine& line, double a, double b, double c,
     return gap > 0 ? Span::all() : Span::none();
 }
 
-// The double cone x^2 + z^2 <= (slope (apex - y))^2, both nappes. Writes none, one or two spans, sorted, whose outer ends
-// may be infinite, and returns how many.
+// The double cone x^2 + z^2 <= (slope (apex - y))^2: what its nappes hold of the line, sorted; either may be empty, the
+// outer ends may be infinite.
+struct DoubleConePieces {
+    Span first, second;
+};
+
+// In a space where the apex is the origin and heights are measured in units of 1/slope, the double cone is
+// x^2 + z^2 <= y^2. With the form q(p, w) = px wx + pz wz - py wy, the line o + t d is inside where
+//
+//     A t^2 + 2 B t + C <= 0,   A = q(d, d),  B = q(o, d),  C = q(o, o),
+//
+// and A and C factor into differences of lengths. The discriminant needs no B at all:
+//
+//     B^2 - A C = cx^2 + cz^2 - cy^2,   c = o x d,
+//
+// which keeps its digits for lines that pass the apex as closely as doubles can tell. The roots are t = k / A and
+// t = C / k with k = -(B + sign(B) sqrt(B^2 - A C)), which never subtracts; A = 0, a line parallel to a generator,
+// sends the first of them to infinity, where it belongs.
+//
+// Where the discriminant is not above 0 the line touches the cone or passes through its apex: it lies in one piece on one
+// side. (The roots are then taken and left unused: without branches, loops over this vectorise.)
+inline DoubleConePieces double_cone_pieces(const LocalLine& line, double slope, double apex) {
+    Vector o{line.closest.x, slope * (line.closest.y - apex), line.closest.z};
+    Vector d{line.direction.x, slope * line.direction.y, line.direction.z};
+    const double shrink = normalizing_power_of_two(larger_magnitude(o.x, larger_magnitude(o.y, o.z)));
+    const double slow = normalizing_power_of_two(larger_magnitude(d.x, larger_magnitude(d.y, d.z)));
+    o = shrink * o;
+    d = slow * d;
+
+    const auto form = [](const Vector& p) {
+        const double across = std::sqrt(p.x * p.x + p.z * p.z), along = std::fabs(p.y);
+        return (across - along) * (across + along);
+    };
+    const double a = form(d), b = o.x * d.x + o.z * d.z - o.y * d.y, constant = form(o), discriminant = form(cross(o, d));
+    const double k = -(b + std::copysign(std::sqrt(discriminant), b)), unit = slow * (1 / shrink);
+    const double one = k / a * unit, other = constant / k * unit;
+    const double low = one < other ? one : other, high = one < other ? other : one;
+
+    const double sense = a != 0 ? a : constant;
+    if (!(discriminant > 0)) return {{sense < 0 ? -infinity : infinity, sense < 0 ? infinity : -infinity}, Span::none()};
+    return {{a < 0 ? -infinity : low, a < 0 ? low : high}, {a < 0 ? high : infinity, a < 0 ? infinity : -infinity}};
+}
+
+// The same as a list: writes none, one or two spans and returns how many.
 LAPIDARY_API int double_cone_spans(const LocalLine& line, double slope, double apex, Span out[2]);
 
 // The torus (sqrt(x^2 + z^2) - major)^2 + y^2 <= minor^2. Writes none, one or two spans, sorted, and returns how many.

@@ -34,18 +34,12 @@ public:
 
     Span span(const LocalLine& line) const {
         const Span between = slab_span(line.closest.y, line.direction.y, -height_ / 2, height_ / 2);
-        if (between.is_empty()) return Span::none();
         if (is_cylinder()) return intersect(tube_span(line, bottom_radius_), between);
 
-        // Of two spans, one in each nappe, the ends leave one; rounding at the apex may leave a trace of the other.
-        Span nappes[2];
-        const int count = double_cone_spans(line, slope(), apex(), nappes);
-        Span longest = Span::none();
-        for (int i = 0; i < count; ++i) {
-            const Span part = intersect(nappes[i], between);
-            if (part.out - part.in > longest.out - longest.in) longest = part;
-        }
-        return longest;
+        // The ends leave what is in one nappe; rounding at the apex may leave a trace of the other.
+        const DoubleConePieces pieces = double_cone_pieces(line, slope(), apex());
+        const Span first = intersect(pieces.first, between), second = intersect(pieces.second, between);
+        return second.out - second.in > first.out - first.in ? second : first;
     }
 
     int face(const Point& p) const override {
