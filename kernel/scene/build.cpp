@@ -46,8 +46,8 @@ public:
         : document_(document),
           registry_(registry),
           messages_(messages),
-          context_{messages, NameTable(document, messages), Vocabulary(registry, messages)},
-          top_level_reader_(top_level_schema(), &top_level_, "scene", messages) {
+          context_{messages, document.constants, NameTable(document, messages), Vocabulary(registry, messages)},
+          top_level_reader_(top_level_schema(), &top_level_, "scene", context_) {
         scene_->title = title;
         scene_->sources = document.sources;
     }

@@ -10,6 +10,7 @@ namespace lapidary {
 
 struct BuildContext {
     Messages& messages;
+    const std::vector<std::string>& constants;  // names of numbers, for suggestions
     NameTable names;
     Vocabulary vocabulary;
     int nesting = 0;  // blocks around the one that is being read

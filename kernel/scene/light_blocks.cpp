@@ -20,7 +20,7 @@ public:
     LightPrototypePtr read() {
         refuse_branches(block_, context_);
         const std::shared_ptr<Light> light = plugin_.create_light();
-        PropertyReader properties(plugin_.schema(), dynamic_cast<void*>(light.get()), block_.keyword, context_.messages);
+        PropertyReader properties(plugin_.schema(), dynamic_cast<void*>(light.get()), block_.keyword, context_);
         auto prototype = std::make_shared<LightPrototype>();
         for (const Item& item : block_.branches.front()) {
             if (const auto* property = std::get_if<Property>(&item))

@@ -132,7 +132,7 @@ private:
     SceneMaterialPtr make() {
         const std::shared_ptr<Material> texture = plugin_.create_material();
         void* target = dynamic_cast<void*>(texture.get());
-        PropertyReader reader(plugin_.schema(), target, block_.keyword, context_.messages);
+        PropertyReader reader(plugin_.schema(), target, block_.keyword, context_);
         auto scene_material = std::make_shared<SceneMaterial>();
 
         bool failed = false;
@@ -182,7 +182,7 @@ private:
 
     void read_constant(const Property& property, TextureItems& items) {
         ConstantChild constant;
-        PropertyReader reader(constant_schema(), &constant, block_.keyword, context_.messages);
+        PropertyReader reader(constant_schema(), &constant, block_.keyword, context_);
         reader.read(property);
         if (reader.failed()) {
             items.failed = true;

@@ -53,7 +53,7 @@ public:
           operands_need_use_(operands_need_use),
           contents_(contents),
           context_(context),
-          common_(common_schema(), &contents.common, owner, context.messages) {}
+          common_(common_schema(), &contents.common, owner, context) {}
 
     // A leaf: holds no objects, but properties of its own.
     ContentsReader(std::string_view owner, PropertyReader& leaf, Contents& contents, BuildContext& context)
@@ -274,7 +274,7 @@ std::shared_ptr<SceneNode> read_leaf(const Block& block, const Plugin& plugin, B
     if (guard.too_deep()) return nullptr;
     refuse_branches(block, context);
     const std::shared_ptr<Object> object = plugin.create_object();
-    PropertyReader properties(plugin.schema(), dynamic_cast<void*>(object.get()), block.keyword, context.messages);
+    PropertyReader properties(plugin.schema(), dynamic_cast<void*>(object.get()), block.keyword, context);
     Contents contents;
     ContentsReader(block.keyword, properties, contents, context).read(block.branches.front());
     if (!properties.finish(block.place) || contents.failed) return nullptr;

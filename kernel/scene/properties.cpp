@@ -78,10 +78,22 @@ void PropertyReader::error(const Place& place, std::string text) {
     messages_.error(place, std::move(text));
 }
 
+std::string constant_meant(const Value& value, const BuildContext& context) {
+    if (value.kind != Value::Kind::word || !context.messages.wants_errors()) return {};
+    const std::string suggestion = did_you_mean(value.text, context.constants);
+    return suggestion.empty() ? suggestion : fmt::format(" ({})", suggestion.substr(2));
+}
+
 bool PropertyReader::check_value(const PropertySchema& schema, const Value& value, Shape shape) {
+    const bool names_constant = value.kind == Value::Kind::number && !value.text.empty();
+    if (shape == Shape::word && names_constant) {
+        Value word = value;
+        word.kind = Value::Kind::word;
+        return check_value(schema, word, shape);
+    }
     if (value.kind != kind_of(shape)) {
-        error(value.place, fmt::format("'{0}' takes {1}, not {2}: {0}{3};", schema.name, noun_of(shape), describe_value(value),
-                                       schema.signature()));
+        error(value.place, fmt::format("'{0}' takes {1}, not {2}{3}: {0}{4};", schema.name, noun_of(shape), describe_value(value),
+                                       constant_meant(value, context_), schema.signature()));
     } else if (value.kind == Value::Kind::number && !std::isfinite(value.number)) {
         error(value.place, fmt::format("'{}' takes finite numbers, not {}", schema.name, value.number));
     } else if (shape == Shape::integer && value.number != std::nearbyint(value.number)) {

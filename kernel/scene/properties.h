@@ -9,6 +9,7 @@
 
 #include "kernel/registry/schema.h"
 #include "kernel/report/messages.h"
+#include "kernel/scene/build_context.h"
 #include "kernel/scene/document.h"
 
 namespace lapidary {
@@ -17,8 +18,8 @@ namespace lapidary {
 class PropertyReader {
 public:
     // `target`: the object that the schema describes, as a pointer to its most derived class.
-    PropertyReader(const SchemaBase& schema, void* target, std::string_view owner, Messages& messages)
-        : schema_(schema), target_(target), owner_(owner), messages_(messages) {}
+    PropertyReader(const SchemaBase& schema, void* target, std::string_view owner, const BuildContext& context)
+        : schema_(schema), target_(target), owner_(owner), context_(context), messages_(context.messages) {}
 
     // False where the schema has no property of this keyword; all else is done or reported.
     bool read(const Property& property);
@@ -45,6 +46,7 @@ private:
     const SchemaBase& schema_;
     void* target_;
     std::string_view owner_;
+    const BuildContext& context_;
     Messages& messages_;
     std::vector<Given> given_;
     bool failed_ = false;
@@ -52,6 +54,8 @@ private:
 
 // "'radius' takes 1 value, not 2: radius(r);" and the like: how a property is written.
 std::string takes(const std::string& keyword, const std::string& signature, int least, int most, std::size_t given);
+// " (did you mean 'width'?)" where a word in a number's place looks like a misspelt constant, else nothing.
+std::string constant_meant(const Value& value, const BuildContext& context);
 // "a, b and c"
 std::string list_of(const std::vector<std::string>& words);
 // Warns of a bare angle beyond a full turn.

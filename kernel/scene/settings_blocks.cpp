@@ -41,7 +41,7 @@ public:
     explicit CameraReader(BuildContext& context) : context_(context) {}
 
     Camera read(const Block& block) {
-        PropertyReader properties(camera_schema(), &camera_, block.keyword, context_.messages);
+        PropertyReader properties(camera_schema(), &camera_, block.keyword, context_);
         read_settings(block, properties, context_, [&](const Block& inner) { read_inner_block(inner); });
         refuse_conflicts(properties);
         place_screen(properties);
@@ -61,7 +61,7 @@ private:
         if (has_screen_) context_.messages.warning(block.place, "'screen' stands here a second time; the last one counts");
         has_screen_ = true;
         screen_ = {};
-        PropertyReader properties(screen_schema(), &screen_, block.keyword, context_.messages);
+        PropertyReader properties(screen_schema(), &screen_, block.keyword, context_);
         read_settings(block, properties, context_, [&](const Block& inner) { context_.vocabulary.report_block(inner, {}, {}); });
         if (const Place* place = properties.place_of("location")) screen_location_ = *place;
     }
@@ -114,7 +114,7 @@ public:
     explicit OutputReader(BuildContext& context) : context_(context) {}
 
     OutputSettings read(const Block& block) {
-        PropertyReader properties(output_schema(), &output_, block.keyword, context_.messages);
+        PropertyReader properties(output_schema(), &output_, block.keyword, context_);
         read_settings(block, properties, context_, [&](const Block& inner) { writers_.push_back(&inner); });
         if (properties.place_of("encoding"))
             output_.encoding = output_.encoding_word == OutputBlock::Encoding::linear ? "linear" : "srgb";
@@ -130,7 +130,7 @@ private:
             const std::shared_ptr<Output> writer = plugin->create_output();
             void* target = dynamic_cast<void*>(writer.get());
             inherit_encoding(*plugin, target);
-            PropertyReader properties(plugin->schema(), target, block.keyword, context_.messages);
+            PropertyReader properties(plugin->schema(), target, block.keyword, context_);
             read_settings(block, properties, context_,
                           [&](const Block& inner) { context_.vocabulary.report_block(inner, {}, {}); });
             output_.writers.push_back({writer, plugin, block.place});
@@ -163,7 +163,7 @@ OutputSettings build_output(const Block& block, BuildContext& context) { return 
 
 RenderSettings build_render(const Block& block, BuildContext& context) {
     RenderBlock render;
-    PropertyReader properties(render_schema(), &render, block.keyword, context.messages);
+    PropertyReader properties(render_schema(), &render, block.keyword, context);
     read_settings(block, properties, context, [&](const Block& inner) { context.vocabulary.report_block(inner, {}, {}); });
     return render;
 }

@@ -115,7 +115,8 @@ private:
         for (std::size_t i = 0; i < property.values.size(); ++i) {
             const Value& value = property.values[i];
             if (value.kind != Value::Kind::number)
-                return error(value.place, fmt::format("'{0}' takes numbers: {0}{1};", property.keyword, form->arguments));
+                return error(value.place, fmt::format("'{0}' takes numbers{1}: {0}{2};", property.keyword,
+                                                      constant_meant(value, context_), form->arguments));
             if (!std::isfinite(value.number))
                 return error(value.place, fmt::format("'{}' takes finite numbers, not {}", property.keyword, value.number));
             factor.values[i] = value.number;
