@@ -119,6 +119,7 @@ void Messages::warning(const Place& place, std::string text) { add_at(Severity::
 void Messages::add_at(Severity severity, const Place& place, std::string text) {
     {
         const std::scoped_lock lock(mutex_);
+        if (is_kept(severity, place, text)) return;
         if (count(severity) >= limit_) {
             ++count(severity);
             return;
@@ -170,6 +171,14 @@ std::vector<Message> Messages::all() const {
     std::vector<Message> result = messages_;
     if (Message last = remainder(); !last.text.empty()) result.push_back(std::move(last));
     return result;
+}
+
+bool Messages::is_kept(Severity severity, const Place& place, const std::string& text) const {
+    if (!place.line) return false;
+    return std::ranges::any_of(messages_, [&](const Message& m) {
+        return m.line == place.line && m.column == place.column && m.severity == severity && m.text == text &&
+               m.file == printable(place.file->name);
+    });
 }
 
 Message Messages::remainder() const {

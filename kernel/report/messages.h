@@ -40,7 +40,8 @@ struct Message {
 };
 
 // Thread-safe. Keeps messages in the order in which they came; of each severity at most `limit` are kept and told, so
-// that a broken file stays readable and warnings never hide an error. The rest are only counted.
+// that a broken file stays readable and warnings never hide an error. The rest are only counted. What was said of a
+// place once, in the first round of a loop, is not said again.
 class LAPIDARY_API Messages {
 public:
     using Listener = std::function<void(const Message&)>;
@@ -66,6 +67,7 @@ public:
 private:
     std::size_t& count(Severity severity) { return severity == Severity::error ? errors_ : warnings_; }
     void add_at(Severity severity, const Place& place, std::string text);
+    bool is_kept(Severity severity, const Place& place, const std::string& text) const;
     Message remainder() const;  // its text is empty where everything was kept
 
     mutable std::mutex mutex_;

@@ -155,6 +155,22 @@ TEST_CASE("Thousands of messages stay readable", "[messages]") {
     CHECK(Messages().all().empty());
 }
 
+TEST_CASE("What was said of a place is not said again", "[messages]") {
+    Sources sources;
+    const SourceFile &a = sources.add("a", "text"), &b = sources.add("b", "text");
+    Messages messages;
+    for (int round = 0; round < 3; ++round) {
+        messages.error({&a, 1, 1}, "no");
+        messages.error({&a, 1, 2}, "no");
+        messages.error({&b, 1, 1}, "no");
+        messages.error({&a, 1, 1}, "never");
+        messages.warning({&a, 1, 1}, "no");
+    }
+    CHECK(messages.errors() == 4);
+    CHECK(messages.warnings() == 1);
+    CHECK(messages.all().size() == 5);
+}
+
 TEST_CASE("Suggestions are the nearest names", "[messages]") {
     const std::vector<std::string> shapes{"sphere", "cube", "cylinder", "plane", "cone", "torus", "spheres"};
     using Names = std::vector<std::string>;
