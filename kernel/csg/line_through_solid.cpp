@@ -171,6 +171,33 @@ bool LineThroughSolid::box_is_missed(const Bounds& box, double t) const {
     return !slabs_.meets(low, high, t, infinity, near);
 }
 
+double LineThroughSolid::enter(double t) {
+    for (;;) {
+        const double in = enter(solid_->root, t);
+        if (in == infinity || solid_->leaf_count == 1) return in;
+        // What is inside a sliver's length further on, too, is no sliver: the common case, cheap to see.
+        const double longest = sliver_length(in);
+        if (inside(solid_->root, in + longest, Side::after)) return in;
+        const double out = leave(solid_->root, in);
+        if (out - in > longest) return in;
+        ++statistics_.slivers_removed;
+        t = out;
+    }
+}
+
+double LineThroughSolid::leave(double t) {
+    for (;;) {
+        const double out = leave(solid_->root, t);
+        if (out == infinity || solid_->leaf_count == 1) return out;
+        const double longest = sliver_length(out);
+        if (!inside(solid_->root, out + longest, Side::after)) return out;
+        const double in = enter(solid_->root, out);
+        if (in - out > longest || out == t) return out;
+        ++statistics_.slivers_removed;
+        t = in;
+    }
+}
+
 double LineThroughSolid::enter(std::int32_t index, double t) {
     const Node& node = world_.nodes[index];
     switch (node.operation) {

@@ -58,15 +58,18 @@ struct FaceHit {
 
 // One ray through one solid of the World. Owns scratch memory and is reused for many rays: start() a ray, select() a
 // solid, then ask. All answers are pure functions of ray and solid.
-class LineThroughSolid {
+class LAPIDARY_API LineThroughSolid {
 public:
     LineThroughSolid(const World& world, TraceStatistics& statistics);
 
     void start(const Ray& ray);
     void select(const Solid& solid);
 
-    double enter(double t) { return enter(solid_->root, t); }
-    double leave(double t) { return leave(solid_->root, t); }
+    // Rule S: where three or more different surfaces pass through one line or point, rounding can put their crossings into an
+    // order that no true arrangement has, and leave a false cell of rounding size. enter() does not enter, and leave() does
+    // not leave, for a cell no longer than that.
+    double enter(double t);
+    double leave(double t);
     bool inside(double t, Side side) { return inside(solid_->root, t, side); }
     Label label(double t, Side side) { return label(solid_->root, t, side); }
     // The first position behind t where the inside or its medium changes; infinity where nothing does.
@@ -101,6 +104,7 @@ private:
     bool inside(std::int32_t node, double t, Side side);
     Label label(std::int32_t node, double t, Side side);
     std::int32_t leaf_at(std::int32_t node, double t);
+    double sliver_length(double t) const { return 64 * 0x1p-53 * std::fabs(t) + solid_->rounding; }
     double first_change(std::span<const std::int32_t> operands, double t);
     bool box_holds(const Bounds& box, double t) const;
     bool box_is_missed(const Bounds& box, double t) const;

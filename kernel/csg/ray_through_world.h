@@ -19,7 +19,7 @@ struct Boundary {
     bool is_sheet() const { return leaf >= 0 && solid < 0; }
 };
 
-class RayThroughWorld {
+class LAPIDARY_API RayThroughWorld {
 public:
     RayThroughWorld(const World& world, TraceStatistics& statistics) : world_(world), line_(world, statistics) {}
 

@@ -191,6 +191,7 @@ private:
         solid.root = emit_node(draft);
         solid.leaf_count = static_cast<std::int32_t>(world_.leaves.size()) - solid.first_leaf;
         solid.box = draft.box;
+        solid.rounding = coincidence_tolerance(0, draft.box.is_finite() ? length(draft.box.diagonal()) : 1);
         for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
             const Leaf& leaf = world_.leaves[solid.first_leaf + i];
             solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;

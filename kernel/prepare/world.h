@@ -72,6 +72,7 @@ struct Solid {
     std::int32_t root = 0;  // in World::nodes
     std::int32_t first_leaf = 0, leaf_count = 0;
     Bounds box;
+    double rounding = 0;          // of a position on a line near it, apart from what the line's own length adds
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;
 };

@@ -46,7 +46,7 @@ TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
     shadow_rays += o.shadow_rays, shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
     non_finite_samples += o.non_finite_samples, first_cell_disagreements += o.first_cell_disagreements;
-    march_steps += o.march_steps;
+    march_steps += o.march_steps, slivers_removed += o.slivers_removed;
     return *this;
 }
 

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+//
+// Coincidence by the hundred (T23, T97): a box cut into boxes along random planes, each piece placed by another chain of
+// rotations and scales. Whatever the ray: the union of the pieces is one span, the box minus the pieces is nothing, the even
+// pieces and the odd ones have nothing in common.
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "support/solids.h"
+
+using namespace lapidary;
+
+namespace {
+
+struct Box {
+    std::array<double, 3> low, high;
+};
+
+// Cuts at multiples of 1/4 along random axes.
+std::vector<Box> cut(std::mt19937_64& random, int pieces) {
+    std::vector<Box> boxes{{{0, 0, 0}, {8, 8, 8}}};
+    for (int tries = 0; static_cast<int>(boxes.size()) < pieces && tries < 1000; ++tries) {
+        const std::size_t which = random() % boxes.size();
+        const std::size_t axis = random() % 3;
+        Box& box = boxes[which];
+        const int steps = static_cast<int>((box.high[axis] - box.low[axis]) * 4);
+        if (steps < 4) continue;
+        const double at = box.low[axis] + 0.25 * (1 + static_cast<double>(random() % static_cast<unsigned>(steps - 1)));
+        Box other = box;
+        box.high[axis] = at;
+        other.low[axis] = at;
+        boxes.push_back(other);
+    }
+    return boxes;
+}
+
+struct Setting {
+    double size, offset;
+};
+
+class Tiling {
+public:
+    Tiling(unsigned seed, const Setting& setting) : maker_(seed), setting_(setting), boxes_(cut(maker_.random, 41)) {}
+
+    const std::vector<Box>& boxes() const { return boxes_; }
+    std::mt19937_64& random() { return maker_.random; }
+
+    Point world(const std::array<double, 3>& p) const {
+        return {setting_.offset + setting_.size * p[0], setting_.offset + setting_.size * p[1],
+                setting_.offset + setting_.size * p[2]};
+    }
+
+    SceneNodePtr piece(const Box& box) {
+        Factors factors = maker_.there_and_back(3);
+        std::array<double, 3> half{}, middle{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            half[i] = setting_.size * (box.high[i] - box.low[i]) / 2;
+            middle[i] = setting_.size * (box.high[i] + box.low[i]) / 2;
+        }
+        factors.push_back(scale(half[0], half[1], half[2]));
+        factors.push_back(translate(middle[0], middle[1], middle[2]));
+        factors.push_back(translate(setting_.offset, setting_.offset, setting_.offset));
+        return maker_.leaf("cube", factors);
+    }
+    SceneNodePtr all(Operation operation) {
+        std::vector<SceneNodePtr> pieces;
+        for (const Box& box : boxes_) pieces.push_back(piece(box));
+        return maker_.combine(operation, std::move(pieces));
+    }
+    SceneNodePtr whole() { return piece({{0, 0, 0}, {8, 8, 8}}); }
+    SceneNodePtr every_second(std::size_t first) {
+        std::vector<SceneNodePtr> pieces;
+        for (std::size_t i = first; i < boxes_.size(); i += 2) pieces.push_back(piece(boxes_[i]));
+        return maker_.combine(Operation::union_, std::move(pieces));
+    }
+    SceneNodePtr difference() { return maker_.combine(Operation::subtraction, {whole(), all(Operation::union_)}); }
+    SceneNodePtr common() { return maker_.combine(Operation::intersection, {every_second(0), every_second(1)}); }
+
+    // From outside through the middle part of the box, at random, through an edge or a vertex of a piece, within the plane of
+    // a face, or along an edge.
+    Ray ray(int kind) {
+        std::uniform_real_distribution<double> uniform(0, 1);
+        const auto number = [&] { return uniform(random()); };
+        const Box& box = boxes_[random()() % boxes_.size()];
+        std::array<double, 3> through{8 * number(), 8 * number(), 8 * number()};
+        std::array<double, 3> direction{2 * number() - 1, 2 * number() - 1, 2 * number() - 1};
+        const std::size_t axis = random()() % 3, next = (axis + 1) % 3, last = (axis + 2) % 3;
+        const auto inner = [](double v) { return v == 0 || v == 8 ? 4 : v; };
+        if (kind >= 1) through[axis] = inner(box.low[axis]);
+        if (kind == 1 || kind == 2 || kind == 4) through[next] = inner(box.low[next]);
+        if (kind == 2) through[last] = inner(box.low[last]);
+        if (kind == 3) direction[axis] = 0;
+        if (kind == 4) direction[axis] = direction[next] = 0;
+        std::array<double, 3> origin{};
+        for (std::size_t i = 0; i < 3; ++i) origin[i] = through[i] - 20 * direction[i];
+        return ray_from(world(origin), {direction[0], direction[1], direction[2]});
+    }
+
+    // How long the ray runs inside the whole box, in the box's units, and how far it passes its outer edges at least.
+    double chord(const Ray& ray) const {
+        const Point low = world({0, 0, 0}), high = world({8, 8, 8}), o = ray.origin.anchor;
+        double in = 0, out = infinity;
+        const std::array<double, 3> from{o.x, o.y, o.z}, along{ray.direction.x, ray.direction.y, ray.direction.z};
+        const std::array<double, 3> lows{low.x, low.y, low.z}, highs{high.x, high.y, high.z};
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (along[i] == 0) {
+                if (!(from[i] > lows[i] && from[i] < highs[i])) return 0;
+                continue;
+            }
+            const double a = (lows[i] - from[i]) / along[i], b = (highs[i] - from[i]) / along[i];
+            in = std::max(in, std::min(a, b));
+            out = std::min(out, std::max(a, b));
+        }
+        return (out - in) / setting_.size;
+    }
+
+private:
+    SolidMaker maker_;
+    Setting setting_;
+    std::vector<Box> boxes_;
+};
+
+void check_tilings(int tilings, int rays) {
+    const Setting setting =
+        GENERATE(Setting{1, 0}, Setting{1, 1e3}, Setting{1, 1e6}, Setting{1e-6, 0}, Setting{1e-6, 1e3}, Setting{1e6, 0});
+    CAPTURE(setting.size, setting.offset);
+    int wrong_union = 0, wrong_difference = 0, wrong_common = 0, checked = 0;
+    for (int tiling_number = 0; tiling_number < tilings; ++tiling_number) {
+        Tiling tiling(static_cast<unsigned>(100 + tiling_number), setting);
+        SpansThrough united(tiling.all(Operation::union_)), difference(tiling.difference()), common(tiling.common());
+        for (int kind = 0; kind < 5; ++kind)
+            for (int i = 0; i < rays; ++i) {
+                const Ray ray = tiling.ray(kind);
+                // Leave out rays that all but miss the whole box: there the sum of the pieces is decided by rounding.
+                if (tiling.chord(ray) < 1e-3) continue;
+                ++checked;
+                wrong_union += united(ray).size() != 1;
+                wrong_difference += !difference(ray).empty();
+                wrong_common += !common(ray).empty();
+            }
+    }
+    CHECK(checked > tilings * rays);
+    CHECK(wrong_union == 0);
+    CHECK(wrong_difference == 0);
+    CHECK(wrong_common == 0);
+}
+
+}  // namespace
+
+TEST_CASE("T23 A box cut into pieces is whole, whatever the ray") { check_tilings(4, 120); }
+
+TEST_CASE("T23 A box cut into pieces is whole, in a million rays", "[.long]") { check_tilings(40, 1000); }
+
+TEST_CASE("T97 Disjoint wedges about one axis have nothing in common and leave no gap") {
+    const int planes = GENERATE(3, 5, 8, 13, 24);
+    CAPTURE(planes);
+    SolidMaker maker(7);
+    // Sectors between half-planes at equal angles: a wedge is where two half-spaces through the axis overlap.
+    const auto half_space = [&](double angle) {
+        return maker.leaf("halfspace", {rotate({0, 0, 1}, angle)});  // y <= 0, turned about z
+    };
+    std::vector<SceneNodePtr> even, odd, all;
+    for (int i = 0; i < 2 * planes; ++i) {
+        const double from = std::numbers::pi * i / planes, to = std::numbers::pi * (i + 1) / planes;
+        const SceneNodePtr wedge = maker.combine(Operation::intersection, {half_space(from + std::numbers::pi), half_space(to),
+                                                                           maker.leaf("sphere", {scale(3, 3, 3)})});
+        (i % 2 == 0 ? even : odd).push_back(wedge);
+        all.push_back(wedge);
+    }
+    SpansThrough common(
+        maker.combine(Operation::intersection, {maker.combine(Operation::union_, even), maker.combine(Operation::union_, odd)}));
+    SpansThrough united(maker.combine(Operation::union_, all));
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    int slivers = 0, gaps = 0;
+    for (int i = 0; i < 2000; ++i) {
+        // Aimed at a point of the axis exactly.
+        const Point axis{0, 0, uniform(maker.random)};
+        const Vector direction{uniform(maker.random), uniform(maker.random), uniform(maker.random)};
+        const Ray ray = ray_from(axis - 6 * direction, direction);
+        slivers += !common(ray).empty();
+        gaps += united(ray).size() > 1;
+    }
+    CHECK(slivers == 0);
+    CHECK(gaps == 0);
+}

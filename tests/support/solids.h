@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+//
+// Solids made in code: leaves from the built plugins, placed by chains of factors, combined by operations.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "kernel/csg/line_through_solid.h"
+#include "kernel/interfaces/object.h"
+#include "kernel/prepare/world.h"
+#include "kernel/registry/registry.h"
+#include "kernel/scene/scene.h"
+#include "support/catch.h"
+
+namespace lapidary {
+
+using Factors = std::vector<TransformFactor>;
+
+inline TransformFactor translate(double x, double y, double z) { return {TransformFactor::Kind::translate, {x, y, z}, false}; }
+inline TransformFactor scale(double x, double y, double z) { return {TransformFactor::Kind::scale, {x, y, z}, false}; }
+inline TransformFactor rotate(const Vector& axis, double angle) {
+    return {TransformFactor::Kind::rotate, {axis.x, axis.y, axis.z, angle}, false};
+}
+
+class SolidMaker {
+public:
+    explicit SolidMaker(unsigned seed = 1) : random(seed) {}
+
+    // A leaf with properties as the language would write them: {"radii", {2, 0.5}}.
+    SceneNodePtr leaf(const std::string& keyword, Factors factors = {},
+                      const std::vector<std::pair<std::string, std::vector<double>>>& properties = {}) {
+        std::string reason;
+        const Plugin* plugin = registry().find(PluginKind::object, keyword, reason);
+        REQUIRE(plugin);
+        std::shared_ptr<Object> object = plugin->create_object();
+        for (const auto& [name, numbers] : properties) {
+            const PropertySchema* property = plugin->schema().find(name);
+            REQUIRE(property);
+            std::vector<Value> values;
+            for (double number : numbers) values.push_back(number_value(number));
+            property->assign(dynamic_cast<void*>(object.get()), values);
+        }
+        auto node = std::make_shared<SceneNode>();
+        node->object = std::move(object);
+        node->plugin = plugin;
+        place(*node, std::move(factors));
+        return node;
+    }
+
+    SceneNodePtr combine(Operation operation, std::vector<SceneNodePtr> operands, Factors factors = {}) {
+        auto node = std::make_shared<SceneNode>();
+        node->operation = operation;
+        node->operands = std::move(operands);
+        place(*node, std::move(factors));
+        return node;
+    }
+
+    // A chain of `length` rotations and scales about the origin, and back: the identity but for rounding, by another way
+    // every time.
+    Factors there_and_back(int length) {
+        std::uniform_real_distribution<double> uniform(-1, 1);
+        Factors there, back;
+        for (int i = 0; i < length; ++i) {
+            const Vector axis{uniform(random), uniform(random), uniform(random) + 1.5};
+            const double angle = 3 * uniform(random);
+            there.push_back(rotate(axis, angle));
+            back.insert(back.begin(), rotate(axis, -angle));
+            const double s = std::exp(uniform(random));
+            there.push_back(scale(s, s, s));
+            back.insert(back.begin(), {TransformFactor::Kind::scale, {s, s, s}, true});
+        }
+        there.insert(there.end(), back.begin(), back.end());
+        return there;
+    }
+
+    std::mt19937_64 random;
+
+private:
+    static Registry& registry() {
+        static Registry found({LAPIDARY_PLUGIN_FOLDER});
+        return found;
+    }
+    static void place(SceneNode& node, Factors factors) {
+        const auto composed = ExactTransform::of(factors);
+        REQUIRE(composed);
+        node.factors = std::move(factors);
+        node.transform = *composed;
+    }
+};
+
+// A World of one tree, and the spans of rays through it.
+class SpansThrough {
+public:
+    explicit SpansThrough(const SceneNodePtr& root) {
+        auto all = std::make_shared<SceneNode>();
+        all->operation = Operation::union_;
+        all->operands = {root};
+        Scene scene;
+        scene.root = all;
+        world_ = prepare_world(scene, messages);
+        line_ = std::make_unique<LineThroughSolid>(*world_, statistics_);
+    }
+
+    const World& world() const { return *world_; }
+
+    // Where the ray runs inside the union of all solids of the World, from its origin on. Solids are merged by their ends
+    // as they are, without any tolerance.
+    std::vector<Span> operator()(const Ray& ray) {
+        line_->start(ray);
+        std::vector<Span> spans;
+        for (double t = 0; t < infinity;) {
+            const double in = leap(t, true);
+            if (in == infinity) break;
+            const double out = leap(in, false);
+            spans.push_back({in, out});
+            t = out;
+        }
+        return spans;
+    }
+
+    Messages messages;
+
+private:
+    // The smallest t' >= t inside any solid, or outside of all.
+    double leap(double t, bool enters) {
+        if (enters) {
+            double first = infinity;
+            for (const Solid& solid : world_->solids) {
+                line_->select(solid);
+                first = std::min(first, line_->enter(t));
+            }
+            return first;
+        }
+        for (bool unchanged = false; !unchanged && t < infinity;) {
+            unchanged = true;
+            for (const Solid& solid : world_->solids) {
+                line_->select(solid);
+                const double out = line_->leave(t);
+                if (out != t) unchanged = false;
+                t = out;
+            }
+        }
+        return t;
+    }
+
+    TraceStatistics statistics_;
+    std::shared_ptr<const World> world_;
+    std::unique_ptr<LineThroughSolid> line_;
+};
+
+inline Ray ray_from(const Point& origin, const Vector& direction) { return {origin, normalize(direction), {}, {}}; }
+
+}  // namespace lapidary
