@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+//
+// Run time against error: how fast the error falls, what adaptive sampling saves, and whether the promised error is kept.
+// The reference is made with another sequence than the sampler's.
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/stand_in_picture.h"
+
+using namespace lapidary;
+
+namespace {
+
+struct Difference {
+    double rmse;
+    double within_twice;  // share of pixels off by less than twice the tolerance
+};
+
+// The mean over `count` points of the R2 sequence (Roberts 2018); with a soft shadow each has light samples of its own.
+std::vector<Colour> reference_of(const StandInPicture& picture, int count) {
+    constexpr double plastic = 1.32471795724474602596;
+    std::vector<Colour> pixels;
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            Colour sum;
+            for (int i = 0; i < count; ++i) {
+                const double u = std::fmod(0.5 + i / plastic, 1), v = std::fmod(0.5 + i / (plastic * plastic), 1);
+                sum += picture.at(x + u, y + v, sample_key(x + 5000, y + 5000, static_cast<std::uint32_t>(i)));
+            }
+            pixels.push_back(1.0 / count * sum);
+        }
+    return pixels;
+}
+
+Difference difference(const Frame& frame, const std::vector<Colour>& reference, double tolerance) {
+    double squares = 0;
+    std::size_t good = 0;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+        const auto pixel = frame.layer(Layer::colour).subspan(3 * i, 3);
+        const Colour d = Colour{pixel[0], pixel[1], pixel[2]} - reference[i];
+        const double square = (d.r * d.r + d.g * d.g + d.b * d.b) / 3;
+        squares += square;
+        good += std::sqrt(square) < 2 * tolerance;
+    }
+    return {std::sqrt(squares / static_cast<double>(reference.size())),
+            static_cast<double>(good) / static_cast<double>(reference.size())};
+}
+
+struct Ladder {
+    std::map<int, double> rmse;  // by samples a pixel
+
+    // Of RMSE ~ n^-a, by least squares over the logarithms.
+    double exponent(int from, int to) const {
+        double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+        for (const auto& [samples, error] : rmse) {
+            if (samples < from || samples > to) continue;
+            const double u = std::log(samples), v = std::log(error);
+            n += 1, x += u, y += v, xx += u * u, xy += u * v;
+        }
+        return -(n * xy - x * y) / (n * xx - x * x);
+    }
+
+    // How many uniform samples have this error.
+    double samples_for(double error) const {
+        auto after = rmse.begin();
+        while (std::next(after, 2) != rmse.end() && std::next(after)->second > error) ++after;
+        const auto& [n0, e0] = *after;
+        const auto& [n1, e1] = *std::next(after);
+        const double part = (std::log(e0) - std::log(error)) / (std::log(e0) - std::log(e1));
+        return n0 * std::pow(static_cast<double>(n1) / n0, part);
+    }
+};
+
+Ladder uniform_ladder(const StandInPicture& picture, const std::vector<Colour>& reference) {
+    Ladder ladder;
+    for (int samples = 4; samples <= 1024; samples *= 2) {
+        Frame frame = picture.frame();
+        SamplingPlan plan;
+        plan.samples = samples;
+        picture.render(frame, plan);
+        ladder.rmse[samples] = difference(frame, reference, 1).rmse;
+    }
+    return ladder;
+}
+
+}  // namespace
+
+TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps its word for less", "[slow]") {
+    struct Case {
+        bool soft_shadow;
+        double exponent;
+    };
+    for (const auto& [soft_shadow, exponent] : {Case{false, 0.70}, Case{true, 0.60}}) {
+        StandInPicture picture;
+        picture.width = 80, picture.height = 60;
+        picture.soft_shadow = soft_shadow;
+        const std::vector<Colour> reference = reference_of(picture, 16384);
+        const Ladder uniform = uniform_ladder(picture, reference);
+        INFO((soft_shadow ? "soft shadow" : "edges") << ": exponent " << uniform.exponent(4, 1024));
+        CHECK(uniform.exponent(4, 1024) >= exponent);
+
+        for (const double tolerance : {0.03, 0.015, 0.008, 0.004}) {
+            Frame frame = picture.frame();
+            SamplingPlan plan;
+            plan.error = tolerance;
+            const RenderReport report = picture.render(frame, plan);
+            const auto [rmse, within_twice] = difference(frame, reference, tolerance);
+            const double samples = static_cast<double>(report.samples) / static_cast<double>(report.pixels);
+            const double saved = uniform.samples_for(rmse) / samples;
+            INFO("asked " << tolerance << ", measured " << rmse << ", " << samples << " samples a pixel, factor " << saved
+                          << ", within twice " << within_twice);
+            CHECK(rmse <= tolerance);
+            CHECK(within_twice >= 0.99);
+            CHECK(saved >= 2.2);  // the picture is full of edges; where they are rare more is saved
+            CHECK(report.within_error >= 0.99 * static_cast<double>(report.pixels));
+        }
+    }
+}
+
+TEST_CASE("place in the pixel and place on a light leave no bias", "[slow]") {
+    // A product of both pairs of dimensions: tied pairs would leave a floor.
+    const auto product = [](const SampleKey& key) {
+        const SamplePair pixel = sample_pair(key, dimension_pair::pixel), light = sample_pair(key, dimension_pair::first_light);
+        return (pixel.u > 0.5) == (light.u > 0.5) ? 1.0 : 0.0;
+    };
+    double previous = 1;
+    for (const std::uint32_t samples : {64u, 256u, 1024u, 4096u}) {
+        double squares = 0;
+        constexpr int pixels = 256;
+        for (int pixel = 0; pixel < pixels; ++pixel) {
+            double sum = 0;
+            for (std::uint32_t i = 0; i < samples; ++i) sum += product(sample_key(pixel, 3, i));
+            squares += std::pow(sum / samples - 0.5, 2) / pixels;
+        }
+        const double rmse = std::sqrt(squares);
+        CHECK(rmse < 0.7 * previous);
+        previous = rmse;
+    }
+    // Random sampling would have 0.0078 here; a tie between the pairs a floor of 0.5.
+    CHECK(previous < 0.013);
+}

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a picture: what may not matter does not matter, and what is promised is kept.
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "kernel/render/passes.h"
+#include "kernel/render/pixel_estimate.h"
+#include "support/catch.h"
+#include "support/stand_in_picture.h"
+
+using namespace lapidary;
+
+namespace {
+
+const LayerSet all_layers{Layer::depth,    Layer::normal,  Layer::position, Layer::object,
+                          Layer::material, Layer::samples, Layer::error};
+
+SamplingPlan uniform(int samples) {
+    SamplingPlan plan;
+    plan.samples = samples;
+    return plan;
+}
+
+SamplingPlan adaptive(double error) {
+    SamplingPlan plan;
+    plan.error = error;
+    return plan;
+}
+
+bool is_same_pixel(const Frame& a, const Frame& b, int x, int y) {
+    for (int i = 0; i < layer_count; ++i) {
+        const auto layer = static_cast<Layer>(i);
+        if (a.has(layer) && !std::ranges::equal(a.pixel(layer, x, y), b.pixel(layer, x, y))) return false;
+    }
+    return true;
+}
+
+int differing_pixels(const Frame& a, const Frame& b, const PixelRegion& region) {
+    int differing = 0;
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x) differing += !is_same_pixel(a, b, x, y);
+    return differing;
+}
+
+// An integrand given by a function of a ray.
+template <typename Function>
+IntegrandMaker integrand_of(Function function) {
+    class Wrapped final : public Integrand {
+    public:
+        explicit Wrapped(Function f) : function_(f) {}
+        void trace(std::span<const Ray> rays, std::span<RaySample> samples) override {
+            for (std::size_t i = 0; i < rays.size(); ++i) samples[i].colour = function_(rays[i]);
+        }
+
+    private:
+        Function function_;
+    };
+    return [function] { return std::make_unique<Wrapped>(function); };
+}
+
+}  // namespace
+
+TEST_CASE("the same bits for any number of threads") {
+    const StandInPicture picture;
+    for (const SamplingPlan& plan : {uniform(1), uniform(5), adaptive(0.02)}) {
+        Frame one = picture.frame(all_layers);
+        RenderOptions options;
+        options.threads = 1;
+        picture.render(one, plan, options);
+        for (const int threads : {2, 7}) {
+            Frame many = picture.frame(all_layers);
+            options.threads = threads;
+            picture.render(many, plan, options);
+            CHECK(differing_pixels(one, many, {0, 0, picture.width, picture.height}) == 0);
+        }
+    }
+}
+
+TEST_CASE("a region has the bits of the whole picture") {
+    const StandInPicture picture;
+    for (const SamplingPlan& plan : {uniform(4), adaptive(0.02), adaptive(0.004)}) {
+        Frame whole = picture.frame(all_layers);
+        picture.render(whole, plan);
+        for (const PixelRegion& region :
+             {PixelRegion{0, 0, 33, 20}, {40, 30, 41, 31}, {17, 35, 90, 72}, {95, 71, 96, 72}, {31, 31, 65, 65}}) {
+            Frame part = picture.frame(all_layers);
+            RenderOptions options;
+            options.region = region;
+            const RenderReport report = picture.render(part, plan, options);
+            CHECK(differing_pixels(whole, part, region) == 0);
+            CHECK(report.pixels == static_cast<std::size_t>(region.width() * region.height()));
+            CHECK(report.finished == report.pixels);
+        }
+    }
+}
+
+TEST_CASE("the preview does not change the picture") {
+    const StandInPicture picture;
+    Frame without = picture.frame(all_layers), with = picture.frame(all_layers);
+    picture.render(without, adaptive(0.02));
+    RenderOptions options;
+    options.preview = true;
+    std::atomic<int> tiles{0};
+    options.on_tile = [&](const Frame&, const PixelRegion&) { ++tiles; };
+    picture.render(with, adaptive(0.02), options);
+    CHECK(differing_pixels(without, with, {0, 0, picture.width, picture.height}) == 0);
+    CHECK(tiles > 4 * 9);  // three grids of blocks and at least one pass, nine tiles each
+}
+
+TEST_CASE("a region outside the picture is nothing to render") {
+    const StandInPicture picture;
+    Frame frame = picture.frame();
+    RenderOptions options;
+    options.region = PixelRegion{200, 200, 300, 300};
+    const RenderReport report = picture.render(frame, adaptive(0.02), options);
+    CHECK(report.pixels == 0);
+    CHECK(report.complete);
+}
+
+TEST_CASE("one ray a pixel goes through its centre") {
+    const StandInPicture picture;
+    Frame frame = picture.frame({Layer::position});
+    const RenderReport report = picture.render(frame, uniform(1));
+    CHECK(report.samples == report.pixels);
+    for (int x = 0; x < picture.width; ++x) {
+        CHECK(frame.pixel(Layer::position, x, 9)[0] == x + 0.5f);
+        const Colour expected = picture.at(x + 0.5, 9.5, {});
+        CHECK(frame.pixel(Layer::colour, x, 9)[0] == static_cast<float>(expected.r));
+    }
+}
+
+TEST_CASE("layers beside colour come from the pixel's centre") {
+    const StandInPicture picture;
+    Frame frame = picture.frame(all_layers);
+    picture.render(frame, adaptive(0.02));
+    for (int x = 0; x < picture.width; ++x) {
+        CHECK(frame.pixel(Layer::position, x, 40)[0] == x + 0.5f);
+        CHECK(frame.pixel(Layer::object, x, 40)[0] == x + 1);
+    }
+}
+
+TEST_CASE("a flat picture takes the first samples only and is exact") {
+    Frame frame(40, 30, {Layer::samples, Layer::error});
+    const auto flat = integrand_of([](const Ray&) { return Colour{0.1, 0.2, 0.7}; });
+    for (const auto filter : {RenderSettings::Filter::box, RenderSettings::Filter::gaussian, RenderSettings::Filter::mitchell}) {
+        const RenderReport report =
+            render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), adaptive(0.004), frame, {});
+        CHECK(report.samples == report.pixels * (filter == RenderSettings::Filter::mitchell ? 16 : 4));
+        CHECK(report.within_error == report.pixels);
+        CHECK(frame.pixel(Layer::colour, 3, 3)[0] == 0.1f);
+        CHECK(frame.pixel(Layer::error, 3, 3)[0] == 0);
+    }
+}
+
+TEST_CASE("T94: samples that are not finite are dropped and counted") {
+    const auto poisoned = integrand_of([](const Ray& ray) {
+        if (ray.key.sample == 2) return Colour{std::numeric_limits<double>::quiet_NaN(), 0, 0};
+        if (ray.key.sample == 3) return Colour{0, infinity, 0};
+        return Colour::grey(0.5);
+    });
+    Frame frame(16, 16, {});
+    const RenderReport report =
+        render_passes(poisoned, CameraRays({}, 16, 16), PixelFilter(RenderSettings::Filter::box, 0.5), uniform(8), frame, {});
+    CHECK(report.trace.non_finite_samples == 2 * report.pixels);
+    for (const float value : frame.layer(Layer::colour)) CHECK(value == 0.5f);
+}
+
+TEST_CASE("a picture of nothing but NaN ends, black") {
+    const auto poisoned = integrand_of([](const Ray&) { return Colour::grey(std::numeric_limits<double>::quiet_NaN()); });
+    Frame frame(16, 16, {});
+    const RenderReport report = render_passes(poisoned, CameraRays({}, 16, 16), PixelFilter(RenderSettings::Filter::box, 0.5),
+                                              adaptive(0.004), frame, {});
+    CHECK(report.samples <= 64 * report.pixels);
+    CHECK(report.within_error == 0);
+    for (const float value : frame.layer(Layer::colour)) CHECK(value == 0);
+}
+
+TEST_CASE("light beyond the range of floats stays finite") {
+    const auto blinding = integrand_of([](const Ray&) { return Colour::grey(1e300); });
+    Frame frame(4, 4, {});
+    render_passes(blinding, CameraRays({}, 4, 4), PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(0.004), frame, {});
+    for (const float value : frame.layer(Layer::colour)) CHECK(value == std::numeric_limits<float>::max());
+}
+
+TEST_CASE("a cancellation is noticed within 50 ms and says so") {
+    const auto slow = integrand_of([](const Ray&) {
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+        return Colour::white();
+    });
+    for (const SamplingPlan& plan : {uniform(1000), adaptive(0.001)}) {
+        Frame frame(640, 480, {});
+        std::atomic<bool> cancel{false};
+        RenderOptions options;
+        options.threads = 2;
+        options.cancel = &cancel;
+        std::chrono::steady_clock::time_point asked;
+        std::thread canceller([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(60));
+            asked = std::chrono::steady_clock::now();
+            cancel = true;
+        });
+        const RenderReport report =
+            render_passes(slow, CameraRays({}, 640, 480), PixelFilter(RenderSettings::Filter::box, 0.5), plan, frame, options);
+        const auto noticed = std::chrono::steady_clock::now() - asked;
+        canceller.join();
+        CHECK_FALSE(report.complete);
+        CHECK_FALSE(frame.is_complete());
+        CHECK(report.finished < report.pixels);
+        CHECK(noticed < std::chrono::milliseconds(50));
+    }
+}
+
+TEST_CASE("with a time limit the picture is there in time, all of it") {
+    const StandInPicture picture;
+    Frame frame = picture.frame({Layer::samples});
+    RenderOptions options;
+    options.time = std::chrono::milliseconds(300);
+    SamplingPlan plan;
+    plan.refine_until_time_is_up = true;
+    const RenderReport report = picture.render(frame, plan, options);
+    CHECK(report.complete);
+    CHECK(report.seconds < 0.5);
+    CHECK(report.samples > 4 * report.pixels);
+    CHECK(*std::ranges::min_element(frame.layer(Layer::samples)) >= 1);
+}
+
+TEST_CASE("finished pixels are counted once each, tiles are announced one at a time") {
+    const StandInPicture picture;
+    for (const SamplingPlan& plan : {uniform(3), adaptive(0.02)}) {
+        Frame frame = picture.frame();
+        std::size_t finished = 0;
+        double progress = 0;
+        bool falls = false;
+        std::atomic<int> inside{0}, most_inside{0};
+        RenderOptions options;
+        options.threads = 4;
+        options.on_tile = [&](const Frame& shown, const PixelRegion& tile) {
+            most_inside = std::max<int>(most_inside, ++inside);
+            falls |= shown.finished() < finished || shown.progress() < progress || tile.is_empty();
+            finished = shown.finished(), progress = shown.progress();
+            --inside;
+        };
+        const RenderReport report = picture.render(frame, plan, options);
+        CHECK_FALSE(falls);
+        CHECK(most_inside == 1);
+        CHECK(report.finished == report.pixels);
+        CHECK(frame.progress() == 1);
+        CHECK(frame.is_complete());
+    }
+}
+
+TEST_CASE("filters blur as their shapes say") {
+    // A step at x = 0: the mean over many samples is the filter's integral right of it.
+    const auto step = integrand_of([](const Ray& ray) { return Colour::grey(ray.origin.rounded().x > 0 ? 1 : 0); });
+    Camera description;
+    description.projection = Camera::Projection::orthographic;
+    description.screen_height = 8;
+    const CameraRays camera(description, 8, 8);
+    const auto left_of_step = [&](RenderSettings::Filter shape) {
+        Frame frame(8, 8, {});
+        render_passes(step, camera, PixelFilter(shape, default_radius(shape)), uniform(16384), frame, {});
+        return std::pair{frame.pixel(Layer::colour, 3, 4)[0], frame.pixel(Layer::colour, 2, 4)[0]};
+    };
+    CHECK(left_of_step(RenderSettings::Filter::box).first == 0);
+
+    // Mitchell's filter right of 1/2 and of 3/2, integrated from its polynomial.
+    const auto [near_mitchell, far_mitchell] = left_of_step(RenderSettings::Filter::mitchell);
+    const auto inner = [](double x) { return (7 * x * x * x * x / 4 - 4 * x * x * x + 16.0 / 3 * x) / 6; };
+    const auto outer = [](double x) { return (-7.0 / 12 * x * x * x * x + 4 * x * x * x - 10 * x * x + 32.0 / 3 * x) / 6; };
+    CHECK(near_mitchell == Approx(inner(1) - inner(0.5) + outer(2) - outer(1)).margin(2e-3));
+    CHECK(far_mitchell == Approx(outer(2) - outer(1.5)).margin(2e-3));
+
+    const auto [near_gaussian, far_gaussian] = left_of_step(RenderSettings::Filter::gaussian);
+    CHECK(near_gaussian > 0.1);
+    CHECK(near_gaussian < 0.2);
+    CHECK(far_gaussian == Approx(0).margin(1e-4));
+}
+
+TEST_CASE("the estimate of equal samples is exact") {
+    PixelEstimate estimate;
+    for (int i = 0; i < 1000; ++i) estimate.add({0.1, 0.2, 0.3});
+    CHECK(estimate.mean() == Colour{0.1, 0.2, 0.3});
+    CHECK(estimate.spread() == 0);
+}
