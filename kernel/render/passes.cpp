@@ -12,6 +12,7 @@
 #include <limits>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "kernel/render/pixel_estimate.h"
 
@@ -22,8 +23,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int tile_size = 32;
-// So few that a cancellation is noticed within 50 ms even where a ray takes a fifth of a millisecond.
-constexpr std::size_t batch_size = 128;
+// So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
+constexpr std::size_t batch_size = 64;
 constexpr std::array<int, 3> preview_blocks{16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
@@ -328,7 +329,7 @@ void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
 
 void Passes::trace_samples(int x, int y, Worker& worker) {
     const std::size_t index = index_of(x, y);
-    Pixel& pixel = pixels_[index];
+    const Pixel& pixel = pixels_[index];
     const auto queue = [&](Ray ray, const SampleKey& key, const Batch::Purpose& purpose) {
         Batch& batch = *worker.batch;
         ray.key = key;
@@ -344,39 +345,35 @@ void Passes::trace_samples(int x, int y, Worker& worker) {
         const SampleKey key = sample_key(x, y, 0);
         const DiscPoint lens = single ? camera_.lens_point(key) : DiscPoint{};
         queue(camera_.ray(x + 0.5, y + 0.5, lens), key, {index, {x, y}, single, layers, false});
-        if (single) {
-            pixel.taken = 1;
-            return;
-        }
+        if (single) return;
     }
 
-    while (pixel.taken < pixel.goal && !is_stopped()) {
-        const std::uint32_t end = std::min<std::uint32_t>(pixel.goal, pixel.taken + batch_size);
-        for (; pixel.taken < end; ++pixel.taken) {
-            const SampleKey key = sample_key(x, y, pixel.taken);
-            const PixelFilter::Placement place = filter_.place(sample_pair(key, dimension_pair::pixel));
-            queue(camera_.ray(x + 0.5 + place.x, y + 0.5 + place.y, camera_.lens_point(key)), key,
-                  {index, {x, y}, true, false, place.negative});
-        }
+    for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
+        if (worker.batch->size == 0 && is_stopped()) return;
+        const SampleKey key = sample_key(x, y, sample);
+        const PixelFilter::Placement place = filter_.place(sample_pair(key, dimension_pair::pixel));
+        queue(camera_.ray(x + 0.5 + place.x, y + 0.5 + place.y, camera_.lens_point(key)), key,
+              {index, {x, y}, true, false, place.negative});
     }
 }
 
 void Passes::flush(Worker& worker) {
     Batch& batch = *worker.batch;
-    if (batch.size == 0) return;
-    worker.integrand->trace(std::span(batch.rays).first(batch.size), std::span(batch.samples).first(batch.size));
-    worker.camera_rays += batch.size;
+    const std::size_t size = std::exchange(batch.size, 0);
+    if (size == 0 || is_stopped()) return;
+    worker.integrand->trace(std::span(batch.rays).first(size), std::span(batch.samples).first(size));
+    worker.camera_rays += size;
 
     // In the order of the samples, whatever the batches were.
-    for (std::size_t i = 0; i < batch.size; ++i) {
+    for (std::size_t i = 0; i < size; ++i) {
         const Batch::Purpose& purpose = batch.purposes[i];
         const RaySample& sample = batch.samples[i];
         if (purpose.layers) write_layers(purpose.place, sample);
         if (!purpose.colour) continue;
+        ++pixels_[purpose.pixel].taken;
         PixelEstimate& estimate = purpose.negative ? negative_lobes_[purpose.pixel] : pixels_[purpose.pixel].estimate;
         if (!estimate.add(sample.colour)) ++worker.non_finite_samples;
     }
-    batch.size = 0;
 }
 
 // ---- preview ---------------------------------------------------------------------------------------------------------
@@ -422,7 +419,7 @@ double Passes::estimated_error(int x, int y) const {
     const double scale = brightness_scale(pixel.estimate.mean());
     if (plan_.samples > 0)  // every pixel by itself; a single sample does not tell how far it is off
         return count == 1 ? infinity : error_from_spread(pixel.estimate.spread(), count) / scale;
-    return std::max(error_from_spread(spread_around(x, y), count), error_from_change(change_around(x, y))) / scale;
+    return std::max(error_from_spread(spread_around(x, y), count), change_around(x, y)) / scale;
 }
 
 double Passes::spread_around(int x, int y) const {

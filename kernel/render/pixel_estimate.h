@@ -62,8 +62,6 @@ inline double error_from_spread(double spread, std::uint32_t count) {
     return spread / (root * std::sqrt(root));  // n^-3/4
 }
 
-inline double error_from_change(double change) { return 0.8 * change; }
-
 inline constexpr double error_after_doubling = 0.5946035575013605;  // 2^-3/4
 
 // Errors are absolute up to white; of brighter light, which a picture shows as white or a viewer scales down, they are

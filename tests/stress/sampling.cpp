@@ -19,16 +19,18 @@ struct Difference {
     double within_twice;  // share of pixels off by less than twice the tolerance
 };
 
-// The mean over `count` points of the R2 sequence (Roberts 2018); with a soft shadow each has light samples of its own.
-std::vector<Colour> reference_of(const StandInPicture& picture, int count) {
-    constexpr double plastic = 1.32471795724474602596;
+// The mean over the points of a sequence of Roberts (2018) in four dimensions: place in the pixel, place on the light.
+std::vector<Colour> reference_of(const StandInPicture& picture) {
+    constexpr int count = 4096;
+    constexpr double step = 1 / 1.16730397826141868426;  // x^5 = x + 1
+    const auto coordinate = [](int i, double alpha) { return std::fmod(0.5 + i * alpha, 1); };
     std::vector<Colour> pixels;
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) {
             Colour sum;
             for (int i = 0; i < count; ++i) {
-                const double u = std::fmod(0.5 + i / plastic, 1), v = std::fmod(0.5 + i / (plastic * plastic), 1);
-                sum += picture.at(x + u, y + v, sample_key(x + 5000, y + 5000, static_cast<std::uint32_t>(i)));
+                const SamplePair light{coordinate(i, step * step * step), coordinate(i, step * step * step * step)};
+                sum += picture.at(x + coordinate(i, step), y + coordinate(i, step * step), light);
             }
             pixels.push_back(1.0 / count * sum);
         }
@@ -76,7 +78,7 @@ struct Ladder {
 
 Ladder uniform_ladder(const StandInPicture& picture, const std::vector<Colour>& reference) {
     Ladder ladder;
-    for (int samples = 4; samples <= 1024; samples *= 2) {
+    for (int samples = 4; samples <= 256; samples *= 2) {
         Frame frame = picture.frame();
         SamplingPlan plan;
         plan.samples = samples;
@@ -92,17 +94,18 @@ TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps i
     struct Case {
         bool soft_shadow;
         double exponent;
+        double saved;  // about half of this picture's pixels hold edges; where they are rarer more is saved
     };
-    for (const auto& [soft_shadow, exponent] : {Case{false, 0.70}, Case{true, 0.60}}) {
+    for (const auto& [soft_shadow, exponent, at_least_saved] : {Case{false, 0.70, 2.1}, Case{true, 0.60, 1.7}}) {
         StandInPicture picture;
-        picture.width = 80, picture.height = 60;
+        picture.width = 64, picture.height = 48;
         picture.soft_shadow = soft_shadow;
-        const std::vector<Colour> reference = reference_of(picture, 16384);
+        const std::vector<Colour> reference = reference_of(picture);
         const Ladder uniform = uniform_ladder(picture, reference);
-        INFO((soft_shadow ? "soft shadow" : "edges") << ": exponent " << uniform.exponent(4, 1024));
-        CHECK(uniform.exponent(4, 1024) >= exponent);
+        INFO((soft_shadow ? "soft shadow" : "edges") << ": exponent " << uniform.exponent(4, 256));
+        CHECK(uniform.exponent(4, 256) >= exponent);
 
-        for (const double tolerance : {0.03, 0.015, 0.008, 0.004}) {
+        for (const double tolerance : {0.03, 0.01}) {
             Frame frame = picture.frame();
             SamplingPlan plan;
             plan.error = tolerance;
@@ -114,8 +117,8 @@ TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps i
                           << ", within twice " << within_twice);
             CHECK(rmse <= tolerance);
             CHECK(within_twice >= 0.99);
-            CHECK(saved >= 2.2);  // the picture is full of edges; where they are rare more is saved
-            CHECK(report.within_error >= 0.99 * static_cast<double>(report.pixels));
+            CHECK(saved >= at_least_saved);
+            CHECK(report.within_error >= 0.98 * static_cast<double>(report.pixels));
         }
     }
 }

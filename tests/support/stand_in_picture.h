@@ -15,19 +15,20 @@ struct StandInPicture {
     int width = 96, height = 72;
     bool soft_shadow = false;
 
-    Colour at(double x, double y, const SampleKey& key) const {
-        for (int i = 0; i < 12; ++i) {
+    // `light` picks a place on the light; it matters to the soft shadow only.
+    Colour at(double x, double y, SamplePair light = {}) const {
+        for (int i = 0; i < 6; ++i) {
             const double radius = 4 + 3 * (i % 4);
             const double dx = (x - width * std::fmod(0.13 + 0.37 * i, 1)) / radius,
                          dy = (y - height * std::fmod(0.2 + 0.29 * i, 0.6)) / radius;
             const double r2 = dx * dx + dy * dy;
             if (r2 < 1) return (0.1 + 0.9 * std::fmax(0, 0.7 * std::sqrt(1 - r2) - 0.5 * dx - 0.5 * dy)) * tint(i);
         }
-        const double below = y - height / 2.0;
+        const double below = y - 0.65 * height;
         if (below <= 0) return {0.2, 0.3, 0.5};
         const double away = 40 / (below + 1);
         const bool even = std::fmod(std::floor((x - width / 2.0) * away / 20) + std::floor(8 * away) + 1000, 2) == 0;
-        return shadow(x, y, key) * Colour::grey(even ? 0.8 : 0.1);
+        return shadow(x, y, light) * Colour::grey(even ? 0.8 : 0.1);
     }
 
     Frame frame(LayerSet layers = {}) const { return Frame(width, height, layers); }
@@ -49,7 +50,7 @@ private:
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 const Point p = rays[i].origin.rounded();
                 const double x = p.x + picture_.width / 2.0, y = picture_.height / 2.0 - p.y;
-                samples[i].colour = picture_.at(x, y, rays[i].key);
+                samples[i].colour = picture_.at(x, y, sample_pair(rays[i].key, dimension_pair::first_light));
                 samples[i].position = {x, y, 0};
                 samples[i].object = static_cast<int>(x) + 1;
             }
@@ -61,10 +62,9 @@ private:
 
     static Colour tint(int i) { return {0.3 + 0.05 * i, 0.9 - 0.06 * i, 0.5}; }
 
-    double shadow(double x, double y, const SampleKey& key) const {
+    double shadow(double x, double y, SamplePair light) const {
         if (!soft_shadow) return 1;
-        const SamplePair p = sample_pair(key, dimension_pair::first_light);
-        const double dx = x + 20 * (p.u - 0.5) - 0.4 * width, dy = 2 * (y + 10 * (p.v - 0.5) - 0.8 * height);
+        const double dx = x + 20 * (light.u - 0.5) - 0.4 * width, dy = 2 * (y + 10 * (light.v - 0.5) - 0.8 * height);
         return dx * dx + dy * dy < 400 ? 0.2 : 1;
     }
 };
