@@ -104,8 +104,8 @@ std::unique_ptr<Interface> create(const Plugin& plugin, const PluginDescriptor& 
     try {
         return std::unique_ptr<Interface>(static_cast<Interface*>(descriptor.create()));
     } catch (...) {
-        throw std::runtime_error(fmt::format("the plugin '{}' ({}) cannot make {}: {}", plugin.keyword(), plugin.file().string(),
-                                             name_of(kind), words_of_current_exception()));
+        throw std::runtime_error(fmt::format("the plugin '{}' ({}) cannot make its {}: {}", plugin.keyword(),
+                                             plugin.file().string(), name_of(kind), words_of_current_exception()));
     }
 }
 

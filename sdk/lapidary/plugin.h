@@ -56,8 +56,10 @@ using InterfaceOf = std::conditional_t<
     implements<T, Object>, Object,
     std::conditional_t<implements<T, Material>, Material, std::conditional_t<implements<T, Light>, Light, Output>>>;
 
+// Hidden even where a library is built with everything visible: the dynamic linker would merge the static schemas of
+// two plugins whose classes have the same name.
 template <class T>
-const SchemaBase& schema_of() {
+[[gnu::visibility("hidden")]] const SchemaBase& schema_of() {
     static const Schema<T> schema;
     return schema;
 }
