@@ -86,12 +86,14 @@ private:
         std::filesystem::path folder = value.text;
         if (folder.is_relative() && place.file) folder = std::filesystem::path(place.file->name).parent_path() / folder;
         std::error_code ignored;
-        if (std::filesystem::is_directory(folder, ignored))
+        if (std::filesystem::is_directory(folder, ignored)) {
             registry_.insert_scene_folder(folder);
-        else
+            scene_->plugin_folders.push_back(std::filesystem::absolute(folder, ignored).lexically_normal());
+        } else {
             messages_.error(value.place,
                             fmt::format("there is no plugin folder '{}'; a relative one is looked for beside the scene file",
                                         folder.string()));
+        }
     }
 
     void find_rendered_objects() {

@@ -232,8 +232,9 @@ private:
             count += " or more";
         else if (least != most)
             count += " to " + std::to_string(most);
-        context_.messages.error(block_.place, fmt::format("'{}' takes {} texture{} ({}), not {}", block_.keyword, count,
-                                                          most == 1 && !any_number ? "" : "s", list_of(names), given));
+        context_.messages.error(
+            block_.place, fmt::format("'{}' takes {} texture{} ({}), not {}; a constant is written value(v); or colour(r, g, b);",
+                                      block_.keyword, count, most == 1 && !any_number ? "" : "s", list_of(names), given));
     }
 
     const Block& block_;

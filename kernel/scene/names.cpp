@@ -42,6 +42,8 @@ const NamedThing* NameTable::use(const Reference& reference) {
 }
 
 void NameTable::report_unknown(const Reference& reference) {
+    // Beyond what is shown, errors only count; and a search through all names for each of very many takes long.
+    if (!messages_.wants_errors()) return messages_.error(reference.place, {});
     if (!collected_) collect_definitions(document_.items);
     collected_ = true;
     if (const auto below = defined_anywhere_.find(reference.name); below != defined_anywhere_.end()) {
@@ -50,7 +52,8 @@ void NameTable::report_unknown(const Reference& reference) {
         return;
     }
     std::vector<std::string> known;
-    for (const NamedThing& thing : things_) known.push_back(thing.name);
+    if (++unknown_ <= most_suggestions)
+        for (const NamedThing& thing : things_) known.push_back(thing.name);
     messages_.error(reference.place, fmt::format("unknown name '{}'{}", reference.name, did_you_mean(reference.name, known)));
 }
 

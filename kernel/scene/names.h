@@ -71,6 +71,8 @@ private:
     // Every name that the document defines anywhere; filled when the first unknown name wants to know.
     std::unordered_map<std::string_view, Place> defined_anywhere_;
     bool collected_ = false;
+    static constexpr int most_suggestions = 20;
+    int unknown_ = 0;
 };
 
 // "file:line:column", for messages that point to a second place.

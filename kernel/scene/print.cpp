@@ -248,6 +248,7 @@ public:
 
 private:
     void write_settings() {
+        for (const auto& folder : scene_.plugin_folders) writer_.line(fmt::format("plugins \"{}\";", folder.string()));
         write_camera();
         write_output();
         writer_.open("render");

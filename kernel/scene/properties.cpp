@@ -149,14 +149,17 @@ void PropertyReader::assign(const PropertySchema& schema, const Property& proper
 bool PropertyReader::read(const Property& property) {
     const PropertySchema* schema = schema_.find(property.keyword);
     if (!schema) return false;
-    if (const Place* earlier = place_of(schema->name); earlier && !schema->repeats)
+    if (!place_of(schema->name))
+        given_.push_back({schema, property.place});
+    else if (!schema->repeats)
         messages_.warning(property.place, fmt::format("'{}' stands here a second time; the last one counts", schema->name));
-    given_.push_back({schema, property.place});
     if (!check(*schema, property)) return true;
     try {
         assign(*schema, property);
     } catch (const std::exception& exception) {
         error(property.place, fmt::format("'{}' does not take this '{}': {}", owner_, schema->name, exception.what()));
+    } catch (...) {
+        error(property.place, fmt::format("'{}' does not take this '{}'", owner_, schema->name));
     }
     return true;
 }
@@ -173,7 +176,7 @@ bool PropertyReader::finish(const Place& place) {
         bool holds = false;
         try {
             holds = requirement.holds(target_);
-        } catch (const std::exception&) {
+        } catch (...) {
             holds = false;
         }
         if (!holds) error(place, fmt::format("'{}': {}", owner_, requirement.sentence));

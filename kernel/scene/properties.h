@@ -28,7 +28,7 @@ public:
     // Checks the conditions across properties; to be called after the last property. False where one fails.
     bool finish(const Place& place);
 
-    // Where a property stands; no file where the block does not give it.
+    // Where a property stands first; null where the block does not give it.
     const Place* place_of(std::string_view keyword) const;
     bool failed() const { return failed_; }
     std::vector<std::string> known() const;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -96,8 +97,9 @@ struct RenderSettings {
 };
 
 struct Scene {
-    std::shared_ptr<const Sources> sources;  // what the places point into
-    SceneNodePtr root;                       // a union of everything in the rendered `objects` block
+    std::vector<std::filesystem::path> plugin_folders;  // of `plugins "folder";`, absolute
+    std::shared_ptr<const Sources> sources;             // what the places point into
+    SceneNodePtr root;                                  // a union of everything in the rendered `objects` block
     std::vector<SceneLight> lights;
     Colour background;
     Camera camera;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/scene/properties.h"
 #include "kernel/scene/transform_blocks.h"
@@ -82,7 +83,7 @@ std::string_view keyword_of(Operation operation) {
     return "union";
 }
 
-const Vocabulary::Entry& Vocabulary::look_up(PluginKind kind, const std::string& keyword) {
+Vocabulary::Entry& Vocabulary::look_up(PluginKind kind, const std::string& keyword) {
     auto& entries = entries_[static_cast<std::size_t>(kind)];
     const auto [entry, is_new] = entries.try_emplace(keyword);
     if (is_new) entry->second.plugin = registry_.find(kind, keyword, entry->second.reason);
@@ -91,9 +92,10 @@ const Vocabulary::Entry& Vocabulary::look_up(PluginKind kind, const std::string&
 
 const Plugin* Vocabulary::find(PluginKind kind, const std::string& keyword) { return look_up(kind, keyword).plugin; }
 
-bool Vocabulary::exists(PluginKind kind, const std::string& keyword) {
-    const std::vector<std::string> keywords = registry_.keywords(kind);
-    return std::ranges::find(keywords, keyword) != keywords.end();
+const std::vector<std::string>& Vocabulary::keywords(PluginKind kind) {
+    auto& list = keywords_[static_cast<std::size_t>(kind)];
+    if (!list) list = registry_.keywords(kind);
+    return *list;
 }
 
 std::string Vocabulary::home_of(const std::string& keyword) {
@@ -102,7 +104,8 @@ std::string Vocabulary::home_of(const std::string& keyword) {
     if (operation_of(keyword))
         return fmt::format("'{}' is a CSG operation; operations stand in `objects {{ }}` and in one another", keyword);
     for (const PluginKind kind : plugin_kinds)
-        if (exists(kind, keyword)) return fmt::format("'{}' is {}", keyword, home_of_plugin(kind));
+        if (std::ranges::find(keywords(kind), keyword) != keywords(kind).end())
+            return fmt::format("'{}' is {}", keyword, home_of_plugin(kind));
     return {};
 }
 
@@ -113,11 +116,14 @@ std::string Vocabulary::searched_folders(const std::vector<PluginKind>& kinds) c
     return folders.empty() ? "no plugin folder is known; name one with --plugin-path" : "searched: " + folders;
 }
 
-void Vocabulary::report_block(const Block& block, const std::vector<PluginKind>& wanted, std::vector<std::string> keywords) {
+void Vocabulary::report_block(const Block& block, const std::vector<PluginKind>& wanted, std::vector<std::string> language) {
     const std::string& keyword = block.keyword;
+    if (!messages_.wants_errors()) return messages_.error(block.place, {});
     for (const PluginKind kind : wanted)
-        if (const Entry& entry = look_up(kind, keyword); !entry.reason.empty()) {
-            messages_.error(block.place, fmt::format("the {} '{}' cannot be used: {}", name_of(kind), keyword, entry.reason));
+        if (Entry& entry = look_up(kind, keyword); !entry.reason.empty()) {
+            // Once is enough, however many blocks there are of it.
+            if (!std::exchange(entry.reported, true))
+                messages_.error(block.place, fmt::format("the {} '{}' cannot be used: {}", name_of(kind), keyword, entry.reason));
             return;
         }
     if (const std::string home = home_of(keyword); !home.empty()) {
@@ -125,16 +131,17 @@ void Vocabulary::report_block(const Block& block, const std::vector<PluginKind>&
         return;
     }
     for (const PluginKind kind : wanted) {
-        const auto of_kind = registry_.keywords(kind);
-        keywords.insert(keywords.end(), of_kind.begin(), of_kind.end());
+        const auto& of_kind = this->keywords(kind);
+        language.insert(language.end(), of_kind.begin(), of_kind.end());
     }
-    std::string text = fmt::format("unknown keyword '{}'{}", keyword, did_you_mean(keyword, keywords));
+    std::string text = fmt::format("unknown keyword '{}'{}", keyword, did_you_mean(keyword, language));
     if (!wanted.empty()) text += fmt::format(" ({})", searched_folders(wanted));
     messages_.error(block.place, std::move(text));
 }
 
 void Vocabulary::report_property(const Property& property, std::string_view owner, const std::vector<std::string>& known) {
     const std::string& keyword = property.keyword;
+    if (!messages_.wants_errors()) return messages_.error(property.place, {});
     // A block that was written with parentheses.
     if (!home_of(keyword).empty()) {
         messages_.error(property.place, fmt::format("'{0}' is a block: it is written {0} {{ … }}", keyword));

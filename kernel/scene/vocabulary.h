@@ -31,25 +31,27 @@ public:
     const Plugin* find(PluginKind kind, const std::string& keyword);
 
     // A block whose keyword cannot stand where it stands: one that was refused, one that belongs elsewhere, or one that
-    // nobody knows. `wanted` are the kinds of plugins that may stand there, `keywords` the language's words that may.
-    void report_block(const Block& block, const std::vector<PluginKind>& wanted, std::vector<std::string> keywords);
+    // nobody knows. `wanted` are the kinds of plugins that may stand there, `language` its own words that may.
+    void report_block(const Block& block, const std::vector<PluginKind>& wanted, std::vector<std::string> language);
     // A property that the block `owner` does not have; `known` are those it has.
     void report_property(const Property& property, std::string_view owner, const std::vector<std::string>& known);
 
 private:
     struct Entry {
         const Plugin* plugin = nullptr;
-        std::string reason;  // why it was refused
+        std::string reason;     // why it was refused
+        bool reported = false;  // the user knows
     };
-    const Entry& look_up(PluginKind kind, const std::string& keyword);
-    bool exists(PluginKind kind, const std::string& keyword);
+    Entry& look_up(PluginKind kind, const std::string& keyword);
+    const std::vector<std::string>& keywords(PluginKind kind);
     // "a light; lights stand in `lights { }`", or nothing for an unknown keyword.
     std::string home_of(const std::string& keyword);
     std::string searched_folders(const std::vector<PluginKind>& kinds) const;
 
     Registry& registry_;
     Messages& messages_;
-    std::array<std::unordered_map<std::string, Entry>, 4> entries_;  // by kind
+    std::array<std::unordered_map<std::string, Entry>, 4> entries_;    // by kind
+    std::array<std::optional<std::vector<std::string>>, 4> keywords_;  // by kind, listed when first wanted
 };
 
 // "an object; objects stand in `objects { }` and in CSG operations"

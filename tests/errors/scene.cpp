@@ -248,7 +248,8 @@ TEST_CASE("Messages: materials", "[scene]") {
     CHECK(said_of("objects { cube { material { colour(1,0,0); } } }") ==
           Lines{"s:1:29: error: 'colour' cannot stand directly in a material; write it inside a texture block"});
     CHECK(said_of("objects { cube { material { checkers { solid {} } } } }") ==
-          Lines{"s:1:29: error: 'checkers' takes 2 textures (even and odd), not 1"});
+          Lines{"s:1:29: error: 'checkers' takes 2 textures (even and odd), not 1; a constant is written value(v); or colour(r, "
+                "g, b);"});
     CHECK(said_of("objects { cube { material { solid { solid {} } } } }") ==
           Lines{"s:1:29: error: 'solid' takes no textures inside, not 1"});
     CHECK(said_of("objects { cube { material { cube {} } } }") ==
@@ -291,7 +292,7 @@ TEST_CASE("Messages: a plugin that does not load is refused with the reason", "[
     REQUIRE(mkdtemp(folder.data()));
     std::filesystem::create_directory(folder + "/objects");
     std::ofstream(folder + "/objects/broken.so") << "not a library";
-    const auto built = test::build("objects { broken {} }", {folder});
+    const auto built = test::build("objects { broken {} broken {} }", {folder});
     std::filesystem::remove_all(folder);
     const Lines lines = built->headlines();
     CHECK(lines == Lines{"s:1:11: error: the object 'broken' cannot be used: the plugin '" + folder +
