@@ -100,6 +100,10 @@ private:
             else
                 camera_.screen_centre = *screen_.location;
         }
+        if (camera_.screen_centre == camera_.location)
+            context_.messages.error(*properties.place_of("location"),
+                                    "the camera is so far from the origin that the screen, one unit away, rounds to the same "
+                                    "place; move the scene nearer");
     }
 
     BuildContext& context_;

@@ -263,6 +263,9 @@ TEST_CASE("Messages: camera and output", "[scene]") {
           Lines{"s:1:10: error: 'look_at' and the screen's location exclude each other; leave out one"});
     CHECK(said_of("camera { angle(1); screen { size(1,1); } }") ==
           Lines{"s:1:10: error: 'angle' and the screen's size exclude each other; leave out one"});
+    CHECK(said_of("camera { location(0, 0, 1e17); }") ==
+          Lines{"s:1:10: error: the camera is so far from the origin that the screen, one unit away, rounds to the same place; "
+                "move the scene nearer"});
     CHECK(said_of("camera { angle(1); projection(orthographic); }") ==
           Lines{"s:1:10: error: 'angle' has no meaning for parallel rays; give the screen's size instead"});
 }
