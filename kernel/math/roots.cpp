@@ -8,7 +8,7 @@
 namespace lapidary {
 
 int double_cone_spans(const LocalLine& line, double slope, double apex, Span out[2]) {
-    const DoubleConePieces pieces = double_cone_pieces(line, slope, apex);
+    const DoubleConePieces pieces = double_cone_pieces(line, slope, slope * (apex - line.closest.y));
     int count = 0;
     for (const Span& piece : {pieces.first, pieces.second})
         if (!piece.is_empty()) out[count++] = piece;

@@ -115,8 +115,11 @@ struct DoubleConePieces {
 //
 // Where the discriminant is not above 0 the line touches the cone or passes through its apex: it lies in one piece on one
 // side. (The roots are then taken and left unused: without branches, loops over this vectorise.)
-inline DoubleConePieces double_cone_pieces(const LocalLine& line, double slope, double apex) {
-    Vector o{line.closest.x, slope * (line.closest.y - apex), line.closest.z};
+//
+// The cone is given by its slope and by slope (apex - y) at the height of the line's closest point: so given, a cylinder is
+// the cone of slope 0.
+inline DoubleConePieces double_cone_pieces(const LocalLine& line, double slope, double radius_at_closest) {
+    Vector o{line.closest.x, -radius_at_closest, line.closest.z};
     Vector d{line.direction.x, slope * line.direction.y, line.direction.z};
     const double shrink = normalizing_power_of_two(larger_magnitude(o.x, larger_magnitude(o.y, o.z)));
     const double slow = normalizing_power_of_two(larger_magnitude(d.x, larger_magnitude(d.y, d.z)));

@@ -34,10 +34,10 @@ public:
 
     Span span(const LocalLine& line) const {
         const Span between = slab_span(line.closest.y, line.direction.y, -height_ / 2, height_ / 2);
-        if (is_cylinder()) return intersect(tube_span(line, bottom_radius_), between);
+        const double radius = is_cylinder() ? bottom_radius_ : slope() * (apex() - line.closest.y);
 
         // The ends leave what is in one nappe; rounding at the apex may leave a trace of the other.
-        const DoubleConePieces pieces = double_cone_pieces(line, slope(), apex());
+        const DoubleConePieces pieces = double_cone_pieces(line, slope(), radius);
         const Span first = intersect(pieces.first, between), second = intersect(pieces.second, between);
         return second.out - second.in > first.out - first.in ? second : first;
     }
