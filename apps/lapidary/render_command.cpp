@@ -27,13 +27,13 @@ namespace {
 // wants to.
 class Watch {
 public:
-    Watch(const Frame& frame, const PixelRegion& region, const std::vector<PictureFile>& pictures, Console& console)
-        : thread_([this, &frame, &pictures, &console, pixels = static_cast<double>(region.width()) * region.height()] {
+    Watch(const Frame& frame, const std::vector<PictureFile>& pictures, Console& console)
+        : thread_([this, &frame, &pictures, &console] {
               std::unique_lock lock(mutex_);
               while (!done_.wait_for(lock, std::chrono::milliseconds(10), [this] { return over_; })) {
                   for (const PictureFile& picture : pictures)
                       if (picture.output->wants_to_stop()) Interruption::request();
-                  console.show_progress(static_cast<double>(frame.finished()) / pixels);
+                  console.show_progress(frame.progress());
               }
           }) {}
 
@@ -142,7 +142,7 @@ private:
         options.on_tile = [this](const Frame& finished, const PixelRegion& tile) {
             for (PictureFile& picture : pictures_) picture.output->tile(finished, tile);
         };
-        const Watch watch(frame, region, pictures_, console_);
+        const Watch watch(frame, pictures_, console_);
         const RenderReport report = render(world, scene, frame, options);
         console_.end_progress();
         return report;
