@@ -56,8 +56,17 @@ Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, c
     return instance.material->evaluate({p + step * normalize(instance.placement.to_local(toward)), footprint});
 }
 
-double rounding_length(const MaterialLine& line) {
-    return 0x1p-44 * (largest_component(line.origin) + 0x1p-10) / length(line.direction);
+// Apart is measured across the boundary, not along the line: rounding moves a point by some ulps, and on a line that grazes the
+// boundary this moves the crossing by many times as much.
+Crossing next_crossing(const Material& material, const MaterialLine& line, double t0, double t1) {
+    for (double from = t0;;) {
+        const Crossing crossing = material.next_boundary(line, from, t1);
+        if (!(crossing.t < t1)) return {};
+        const double rounding = 0x1p-44 * (largest_component(line.at(crossing.t)) + 0x1p-10);
+        const double slope = std::fabs(dot(normalize(crossing.normal), line.direction));
+        if ((crossing.t - t0) * slope > rounding && (t1 - crossing.t) * slope > rounding) return crossing;
+        from = crossing.t;
+    }
 }
 
 Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {

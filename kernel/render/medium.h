@@ -26,8 +26,9 @@ inline MaterialLine material_line(const MaterialInstance& instance, const TwoPar
     return {instance.placement.to_local(origin), instance.placement.to_local(direction)};
 }
 
-// A length along the line within which a boundary at its start is indistinguishable from the start itself.
-double rounding_length(const MaterialLine& line);
+// The first boundary within a material between t0 and t1. One that cannot be told from an end of the stretch, where the ray
+// has just left it or a face lies upon it, is none.
+Crossing next_crossing(const Material& material, const MaterialLine& line, double t0, double t1);
 
 // The fraction of light that a transparent material lets through from t0 to t1: Beer-Lambert, colour^(length / depth),
 // integrated where the material varies. Exactly 1 for what does not absorb, at any length.

@@ -222,8 +222,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
                 // Piece by piece: each may be opaque, and each boundary has its (1 - opacity).
                 double piece = from;
                 while (piece < to && !is_black(passed)) {
-                    const double skip = std::max(piece, from + rounding_length(line));
-                    const Crossing crossing = medium.material->next_boundary(line, skip, to);
+                    const Crossing crossing = next_crossing(*medium.material, line, piece, to);
                     const double end = std::min(crossing.t, to);
                     const Matter matter = medium.material->evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + 1e6)), 0});
                     if (!matter.is_transparent()) return Colour::black();
@@ -349,8 +348,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
         if (medium && medium->may_be_transparent) {
             const MaterialLine line = material_line(*medium, ray.origin, ray.direction);
             if (!medium->is_uniform && medium->material->has_boundaries()) {
-                const Crossing crossing =
-                    medium->material->next_boundary(line, std::max(from, rounding_length(line)), boundary.t);
+                const Crossing crossing = next_crossing(*medium->material, line, from, boundary.t);
                 if (crossing.t < boundary.t) {
                     to = crossing.t;
                     encounter = encounter_crossing(ray, *medium, crossing, path.travelled);
