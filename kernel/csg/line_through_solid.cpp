@@ -12,10 +12,6 @@ namespace lapidary {
 
 namespace {
 
-// Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same
-// for all planes, so that complements and coincident faces agree and the reversed ray sees the same.
-constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
-
 // The most spans that the surfaces of one leaf can have on the way to their intersection: a double cone has two, its
 // complement three.
 constexpr int most_surface_spans = 4;

@@ -32,6 +32,10 @@
 
 namespace lapidary {
 
+// Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same for
+// all planes, so that complements and coincident faces agree and the reversed ray sees the same.
+inline constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
+
 // The open cell of the line just before a position, or just behind it.
 enum class Side : std::uint8_t { before, after };
 

@@ -54,11 +54,7 @@ Boundary RayThroughWorld::next(double from) {
     for (std::int32_t solid : world_.unbounded) visit(solid);
     world_.hierarchy.for_each_along(origin_, ray_.direction, first.t, [&](std::int32_t solid, double) { return visit(solid); });
 
-    for (const Sheet& sheet : world_.sheets) {
-        const double t = line_.cross_sheet(sheet.leaf);
-        const bool is_first = t < first.t || (t == first.t && (first.is_sheet() ? false : sheet.order <= first.solid));
-        if (t > from && t < infinity && is_first && is_seen(sheet, t)) first = {t, -1, sheet.leaf, {}, {}};
-    }
+    for (const Sheet& sheet : world_.sheets) meet_sheet(sheet, from, first);
     if (first.t == infinity) return first;
 
     if (world_.features.transparency) {
@@ -73,14 +69,23 @@ Boundary RayThroughWorld::next(double from) {
             });
         }
     } else if (!first.is_sheet()) {
-        line_.select(world_.solids[first.solid]);
-        first.leaf = line_.leaf_at(first.t);
-        if (first.leaf >= 0 && world_.leaves[first.leaf].appearance < 0) {
-            first.before = line_.label(first.t, Side::before);
-            first.after = line_.label(first.t, Side::after);
-        }
+        complete_opaque(first);
     }
     return first;
+}
+
+void RayThroughWorld::meet_sheet(const Sheet& sheet, double from, Boundary& first) {
+    const double t = line_.cross_sheet(sheet.leaf);
+    if (t > from && t < infinity && comes_before(sheet, t, first) && is_seen(sheet, t)) first = {t, -1, sheet.leaf, {}, {}};
+}
+
+void RayThroughWorld::complete_opaque(Boundary& boundary) {
+    line_.select(world_.solids[boundary.solid]);
+    if (boundary.leaf < 0) boundary.leaf = line_.leaf_at(boundary.t);
+    if (boundary.leaf >= 0 && world_.leaves[boundary.leaf].appearance < 0) {
+        boundary.before = line_.label(boundary.t, Side::before);
+        boundary.after = line_.label(boundary.t, Side::after);
+    }
 }
 
 FaceHit RayThroughWorld::face_of(const Boundary& boundary) { return line_.face_at(boundary.leaf, boundary.t); }
@@ -105,10 +110,13 @@ bool RayThroughWorld::is_blocked(double distance) {
         if (visit(solid) < 0) return true;
     world_.hierarchy.for_each_along(origin_, ray_.direction, distance, [&](std::int32_t solid, double) { return visit(solid); });
     if (blocked) return true;
-    return std::any_of(world_.sheets.begin(), world_.sheets.end(), [&](const Sheet& sheet) {
-        const double t = line_.cross_sheet(sheet.leaf);
-        return t > 0 && t < distance && is_seen(sheet, t);
-    });
+    return std::any_of(world_.sheets.begin(), world_.sheets.end(),
+                       [&](const Sheet& sheet) { return is_blocked_by(sheet, distance); });
+}
+
+bool RayThroughWorld::is_blocked_by(const Sheet& sheet, double distance) {
+    const double t = line_.cross_sheet(sheet.leaf);
+    return t > 0 && t < distance && is_seen(sheet, t);
 }
 
 }  // namespace lapidary

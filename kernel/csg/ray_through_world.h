@@ -19,6 +19,11 @@ struct Boundary {
     bool is_sheet() const { return leaf >= 0 && solid < 0; }
 };
 
+// Whether a sheet met at t comes before what was found so far; at the same place, what was written first does.
+inline bool comes_before(const Sheet& sheet, double t, const Boundary& first) {
+    return t < first.t || (t == first.t && !first.is_sheet() && sheet.order <= first.solid);
+}
+
 class LAPIDARY_API RayThroughWorld {
 public:
     RayThroughWorld(const World& world, TraceStatistics& statistics) : world_(world), line_(world, statistics) {}
@@ -29,11 +34,16 @@ public:
     Label label(double t, Side side);
     // The first boundary behind `from`; where nothing is transparent, `from` is the start of the ray.
     Boundary next(double from);
+    // Replaces `first` by a sheet that is seen before it.
+    void meet_sheet(const Sheet& sheet, double from, Boundary& first);
+    // Fills in which leaf's face a boundary of one solid is, and, where that leaf shows the innards, their labels.
+    void complete_opaque(Boundary& boundary);
     // The face of a boundary.
     FaceHit face(const Boundary& boundary) { return face_of(boundary); }
 
     // Whether any solid or sheet lies between the start and `distance`, for a World in which all are opaque.
     bool is_blocked(double distance);
+    bool is_blocked_by(const Sheet& sheet, double distance);
 
 private:
     double next_change(std::int32_t solid, double from);

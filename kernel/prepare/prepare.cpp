@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -46,6 +47,7 @@ public:
         for (const Solid& solid : world_.solids)
             if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
         recognise_coincident_surfaces(world_, messages_);
+        for (Solid& solid : world_.solids) find_product_form(solid);
         build_hierarchy();
         note_features();
     }
@@ -229,6 +231,49 @@ private:
         }
         world_.nodes.push_back(node);
         return static_cast<std::int32_t>(world_.nodes.size()) - 1;
+    }
+
+    void find_product_form(Solid& solid) {
+        std::vector<std::int32_t> positive, negative;
+        const Node& root = world_.nodes[solid.root];
+        const std::span<const std::int32_t> operands(world_.children.data() + root.first, static_cast<std::size_t>(root.count));
+        bool fits = false;
+        if (root.operation == Operation::subtraction) {
+            fits = gather_leaves(operands[0], Operation::intersection, positive) &&
+                   std::all_of(operands.begin() + 1, operands.end(),
+                               [&](std::int32_t operand) { return gather_leaves(operand, Operation::union_, negative); });
+        } else {
+            fits = gather_leaves(solid.root, Operation::intersection, positive);
+        }
+        if (!fits) return;
+        solid.is_product = true;
+        solid.first_product_leaf = static_cast<std::int32_t>(world_.product_leaves.size());
+        solid.positive_count = static_cast<std::int32_t>(positive.size());
+        solid.negative_count = static_cast<std::int32_t>(negative.size());
+        world_.product_leaves.insert(world_.product_leaves.end(), positive.begin(), positive.end());
+        world_.product_leaves.insert(world_.product_leaves.end(), negative.begin(), negative.end());
+    }
+
+    // The leaves of a tree of one operation only, where each has one span on any line.
+    bool gather_leaves(std::int32_t index, Operation operation, std::vector<std::int32_t>& leaves) const {
+        const Node& node = world_.nodes[index];
+        if (node.operation == Operation::leaf) {
+            leaves.push_back(node.first);
+            return has_one_span(world_.leaves[node.first]);
+        }
+        if (node.operation != operation && !(operation == Operation::union_ && node.operation == Operation::merge)) return false;
+        for (std::int32_t i = 0; i < node.count; ++i)
+            if (!gather_leaves(world_.children[node.first + i], operation, leaves)) return false;
+        return true;
+    }
+
+    // A cone among shared surfaces is met with both of its nappes.
+    bool has_one_span(const Leaf& leaf) const {
+        for (std::int32_t i = 0; i < leaf.surface_count; ++i) {
+            const SurfaceClass& surface = world_.surface_classes[world_.surface_uses[leaf.first_surface + i].surface_class];
+            if (!surface.whole && surface.surface.kind == Surface::Kind::cone) return false;
+        }
+        return leaf.object->max_spans() == 1;
     }
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.

@@ -75,6 +75,11 @@ struct Solid {
     double rounding = 0;          // of a position on a line near it, apart from what the line's own length adds
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;
+
+    // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
+    // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
+    bool is_product = false;
+    std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
 };
 
 // A surface without inside, with the operands that clip it on the way from its leaf to the top of its tree.
@@ -107,6 +112,7 @@ public:
     std::vector<Solid> solids;           // in the order of writing
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
+    std::vector<std::int32_t> product_leaves;
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;

@@ -5,42 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "kernel/csg/ray_through_world.h"
-#include "kernel/interfaces/light.h"
-#include "kernel/prepare/world.h"
-#include "kernel/render/medium.h"
 #include "kernel/render/optics.h"
 #include "kernel/render/sampler.h"
-#include "kernel/scene/scene.h"
+#include "kernel/render/tracer_implementation.h"
 
 namespace lapidary {
-
-namespace {
-
-// A path on its way: how much it counts in the pixel, how many faces have turned it, how far it has come.
-struct Path {
-    double weight = 1;
-    int depth = 0;
-    double travelled = 0;
-    std::uint64_t branch = 1;  // as in PathEvent
-};
-
-// A place where the ray meets a face of a solid or a boundary within matter, with all that shading asks.
-struct Encounter {
-    TwoPartPoint point;
-    Normal geometric;  // unit, toward the viewer
-    Normal shading;    // the same, bent by the relief
-    Matter matter;     // of the surface
-    double index_before = 1, index_behind = 1;
-    bool is_sheet = false;
-    double travelled = 0;  // by the path, up to here
-
-    // What rays that start here depart from; `outward` is the leaf's normal.
-    Departure departure;
-    Normal outward;
-};
-
-}  // namespace
 
 TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
@@ -49,43 +18,6 @@ TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     march_steps += o.march_steps, slivers_removed += o.slivers_removed;
     return *this;
 }
-
-struct Tracer::Implementation {
-    Implementation(const World& w, const RenderSettings& s, double footprint)
-        : world(w),
-          settings(s),
-          pixel_footprint(footprint),
-          ray_through_world(w, statistics),
-          shadow_through_world(w, statistics) {}
-
-    const World& world;
-    const RenderSettings& settings;
-    double pixel_footprint;
-    TraceStatistics statistics;
-    RayThroughWorld ray_through_world, shadow_through_world;
-    std::function<void(const PathEvent&)> observer;
-    std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
-
-    Colour radiance(const Ray& ray, const Path& path, RaySample* first);
-    Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
-    enum class Turn : std::uint8_t { mirrored, refracted };
-    Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path,
-                         Turn turn);
-    void tell_observer(const Ray& ray, const Encounter& encounter, const Path& path, const Colour& passed) const;
-
-    std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
-    std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
-                                                double travelled);
-    void bend_normal(const Ray& ray, const Normal& relief, Encounter& encounter) const;
-    double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
-
-    struct Lit {
-        Colour ambient, diffuse, highlight;
-    };
-    Lit light(const Ray& ray, const Encounter& encounter);
-    Colour light_through(const Ray& shadow, double distance);
-    Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
-};
 
 namespace {
 
@@ -253,46 +185,59 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
     return passed;
 }
 
+std::optional<AimedLight> Tracer::Implementation::aim(const Light& light, const Ray& ray, const Encounter& e,
+                                                      const Vector& mirrored, std::uint32_t& samples) {
+    LightSample sample;
+    if (light.has_extent()) {
+        const SamplePair pair = sample_pair(ray.key, dimension_pair::first_light + samples++);
+        sample = {pair.u, pair.v};
+    }
+    AimedLight aimed;
+    aimed.illumination = light.toward(e.point.rounded(), sample);
+    const Vector& direction = aimed.illumination.direction;
+    const double cosine = dot(e.shading, direction);
+    if (!is_black(aimed.illumination.radiance) && cosine > 0) {
+        // (R . V)^shininess, with R . V = the light against the mirrored view.
+        const bool needs_diffuse = !e.matter.is_transparent() || e.matter.opacity > 0;
+        aimed.highlight = std::pow(std::fmax(0, dot(mirrored, direction)), e.matter.shininess);
+        aimed.diffuse = needs_diffuse ? std::fmax(0, cosine - aimed.highlight) : 0;
+        // Light from behind an opaque face or a sheet is blocked by it.
+        const bool behind = dot(e.geometric, direction) <= 0 && (e.is_sheet || !e.matter.is_transparent());
+        if ((aimed.highlight > 0 || aimed.diffuse > 0) && !behind) return aimed;
+    }
+    ++statistics.shadow_rays_skipped;
+    return std::nullopt;
+}
+
 // The sums of section 9 over the lights: ambient, D and S parts.
-Tracer::Implementation::Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
+Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
     Lit lit;
-    const Point point = e.point.rounded();
-    for (const auto& ambient : world.ambient_lights) lit.ambient += ambient->toward(point, {}).radiance;
-    const bool needs_diffuse = !e.matter.is_transparent() || e.matter.opacity > 0;
+    for (const auto& ambient : world.ambient_lights) lit.ambient += ambient->toward(e.point.rounded(), {}).radiance;
     const Vector mirrored = mirror(ray.direction, e.shading);
     for (const auto& light : world.lights) {
-        LightSample sample;
-        if (light->has_extent()) {
-            const SamplePair pair = sample_pair(ray.key, dimension_pair::first_light + light_samples++);
-            sample = {pair.u, pair.v};
-        }
-        const Illumination illumination = light->toward(point, sample);
-        const double cosine = dot(e.shading, illumination.direction);
-        if (is_black(illumination.radiance) || !(cosine > 0)) {
-            ++statistics.shadow_rays_skipped;
-            continue;
-        }
-        // (R . V)^shininess, with R . V = the light against the mirrored view.
-        const double highlight = std::pow(std::fmax(0, dot(mirrored, illumination.direction)), e.matter.shininess);
-        const double diffuse = needs_diffuse ? std::fmax(0, cosine - highlight) : 0;
-        const bool behind = dot(e.geometric, illumination.direction) <= 0;
-        if ((highlight == 0 && diffuse == 0) || (behind && (e.is_sheet || !e.matter.is_transparent()))) {
-            ++statistics.shadow_rays_skipped;
-            continue;
-        }
+        const std::optional<AimedLight> aimed = aim(*light, ray, e, mirrored, light_samples);
+        if (!aimed) continue;
+        const Illumination& illumination = aimed->illumination;
         const Colour arrives =
             illumination.radiance * light_through(depart(ray, e, illumination.direction), illumination.distance);
-        lit.diffuse += diffuse * arrives;
-        lit.highlight += highlight * arrives;
+        lit.diffuse += aimed->diffuse * arrives;
+        lit.highlight += aimed->highlight * arrives;
     }
     return lit;
+}
+
+// Off a bent normal the mirrored ray may point into the surface: it is turned back out.
+Vector Tracer::Implementation::mirrored_direction(const Ray& ray, const Encounter& e) const {
+    const Vector direction = mirror(ray.direction, e.shading);
+    const double below = dot(direction, e.geometric);
+    return below < 0 ? renormalize(direction - 2 * below * to_vector(e.geometric)) : direction;
 }
 
 // Follows a path from an encounter, or ends it with the background where it counts too little.
 Colour Tracer::Implementation::continue_path(const Ray& from, const Encounter& e, const Vector& direction, double weight,
                                              const Path& path, Turn turn) {
     const Path next{path.weight * weight, path.depth + 1, e.travelled, 2 * path.branch + (turn == Turn::refracted)};
-    if (next.depth > settings.depth || next.weight < settings.cutoff) return world.background;
+    if (next.ends(settings)) return world.background;
     return radiance(depart(from, e, direction), next, nullptr);
 }
 
@@ -315,12 +260,8 @@ Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const P
     Colour result = transparent ? (1 - matter.reflection) * (matter.opacity * local + (1 - matter.opacity) * lit.highlight)
                                 : (1 - matter.reflection) * local;
     if (mirrored_weight > 0) {
-        Vector direction = mirror(ray.direction, e.shading);
-        // Off a bent normal the mirrored ray may point into the surface: it is turned back out.
-        const double below = dot(direction, e.geometric);
-        if (below < 0) direction = renormalize(direction - 2 * below * to_vector(e.geometric));
         ++statistics.mirrored_rays;
-        result += mirrored_weight * continue_path(ray, e, direction, mirrored_weight, path, Turn::mirrored);
+        result += mirrored_weight * continue_path(ray, e, mirrored_direction(ray, e), mirrored_weight, path, Turn::mirrored);
     }
     if (refracted_weight > 0) {
         const double eta = e.index_before / e.index_behind;
@@ -382,13 +323,23 @@ Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_
 Tracer::~Tracer() = default;
 
 void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
+    Implementation& tracer = *implementation_;
+    tracer.statistics.camera_rays += rays.size();
+    std::fill(samples.begin(), samples.end(), RaySample{});
+    if (tracer.packet && !tracer.observer && !tracer.one_by_one) {
+        const std::vector<Path> paths(rays.size());
+        std::vector<Colour> colours(rays.size());
+        tracer.radiances(rays, paths, colours, samples);
+        for (std::size_t i = 0; i < rays.size(); ++i) samples[i].colour = colours[i];
+        return;
+    }
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        ++implementation_->statistics.camera_rays;
-        implementation_->light_samples = 0;
-        samples[i] = RaySample{};
-        samples[i].colour = implementation_->radiance(rays[i], Path{}, &samples[i]);
+        tracer.light_samples = 0;
+        samples[i].colour = tracer.radiance(rays[i], Path{}, &samples[i]);
     }
 }
+
+void Tracer::trace_one_by_one(bool one_by_one) { implementation_->one_by_one = one_by_one; }
 
 void Tracer::observe(std::function<void(const PathEvent&)> observer) { implementation_->observer = std::move(observer); }
 

@@ -65,6 +65,9 @@ public:
     // Traces rays independently of one another; samples.size() == rays.size().
     void trace(std::span<const Ray> rays, std::span<RaySample> samples);
 
+    // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.
+    void trace_one_by_one(bool one_by_one);
+
     const TraceStatistics& statistics() const;
 
     // Is told of every face that a path meets, in the order of a depth-first walk. Changes no result.

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+//
+// The inside of a Tracer: one path at a time (tracer.cpp), and packets of paths where nothing is transparent
+// (packet_tracing.cpp). Both do the same arithmetic in the same order; the single path is the oracle of the packets.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "kernel/csg/packet_through_world.h"
+#include "kernel/csg/ray_through_world.h"
+#include "kernel/interfaces/light.h"
+#include "kernel/prepare/world.h"
+#include "kernel/render/medium.h"
+#include "kernel/render/tracer.h"
+#include "kernel/scene/scene.h"
+
+namespace lapidary {
+
+// A path on its way: how much it counts in the pixel, how many faces have turned it, how far it has come.
+struct Path {
+    double weight = 1;
+    int depth = 0;
+    double travelled = 0;
+    std::uint64_t branch = 1;  // as in PathEvent
+
+    bool ends(const RenderSettings& settings) const { return depth > settings.depth || weight < settings.cutoff; }
+};
+
+// A place where the ray meets a face of a solid or a boundary within matter, with all that shading asks.
+struct Encounter {
+    TwoPartPoint point;
+    Normal geometric;  // unit, toward the viewer
+    Normal shading;    // the same, bent by the relief
+    Matter matter;     // of the surface
+    double index_before = 1, index_behind = 1;
+    bool is_sheet = false;
+    double travelled = 0;  // by the path, up to here
+
+    // What rays that start here depart from; `outward` is the leaf's normal.
+    Departure departure;
+    Normal outward;
+};
+
+// A light as it falls on an encounter, before shadow.
+struct AimedLight {
+    Illumination illumination;
+    double diffuse = 0, highlight = 0;  // D and S of section 9
+};
+
+// What lights send to an encounter: the ambient light, and the sums of E D and of E S over the others.
+struct Lit {
+    Colour ambient, diffuse, highlight;
+};
+
+struct Tracer::Implementation {
+    Implementation(const World& w, const RenderSettings& s, double footprint)
+        : world(w),
+          settings(s),
+          pixel_footprint(footprint),
+          ray_through_world(w, statistics),
+          shadow_through_world(w, statistics) {
+        if (!world.features.transparency) packet.emplace(world, statistics);
+    }
+
+    const World& world;
+    const RenderSettings& settings;
+    double pixel_footprint;
+    TraceStatistics statistics;
+    RayThroughWorld ray_through_world, shadow_through_world;
+    std::optional<PacketThroughWorld> packet;  // where nothing is transparent
+    bool one_by_one = false;
+    std::function<void(const PathEvent&)> observer;
+    std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
+
+    Colour radiance(const Ray& ray, const Path& path, RaySample* first);
+    Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
+    enum class Turn : std::uint8_t { mirrored, refracted };
+    Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path,
+                         Turn turn);
+
+    // The same as radiance() for many rays of an opaque World, in packets (packet_tracing.cpp).
+    void radiances(std::span<const Ray> rays, std::span<const Path> paths, std::span<Colour> colours, std::span<RaySample> first);
+    void light_packets(std::span<const Ray> rays, std::span<const Path> paths,
+                       std::span<const std::optional<Encounter>> encounters, std::span<Lit> lit);
+
+    void tell_observer(const Ray& ray, const Encounter& encounter, const Path& path, const Colour& passed) const;
+
+    std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
+    std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
+                                                double travelled);
+    void bend_normal(const Ray& ray, const Normal& relief, Encounter& encounter) const;
+    double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
+    Lit light(const Ray& ray, const Encounter& encounter);
+    // What a light would add to an encounter if nothing stood between; nothing where that is nothing.
+    std::optional<AimedLight> aim(const Light& light, const Ray& ray, const Encounter& encounter, const Vector& mirrored,
+                                  std::uint32_t& samples);
+    Vector mirrored_direction(const Ray& ray, const Encounter& encounter) const;
+    Colour light_through(const Ray& shadow, double distance);
+    Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
+};
+
+}  // namespace lapidary

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+//
+// Packets of rays against one ray at a time: the same bits in every layer, for everything a World can hold.
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "kernel/prepare/world.h"
+#include "kernel/render/camera_rays.h"
+#include "kernel/render/tracer.h"
+#include "support/catch.h"
+#include "support/scenes.h"
+
+using namespace lapidary;
+
+namespace {
+
+bool same_bits(const RaySample& a, const RaySample& b) {
+    const auto equal = [](double x, double y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+    return equal(a.colour.r, b.colour.r) && equal(a.colour.g, b.colour.g) && equal(a.colour.b, b.colour.b) &&
+           equal(a.depth, b.depth) && a.normal == b.normal && a.position == b.position && a.object == b.object &&
+           a.material == b.material;
+}
+
+// Counts the pixels of a small picture that differ.
+int differences(const std::string& text) {
+    const auto built = test::build(text);
+    for (const std::string& line : built->headlines()) UNSCOPED_INFO(line);
+    REQUIRE(built->scene);
+    Messages messages;
+    const auto world = prepare_world(*built->scene, messages);
+    REQUIRE_FALSE(world->features.transparency);
+    constexpr int columns = 131, rows = 97;
+    const CameraRays camera(built->scene->camera, columns, rows);
+    std::vector<Ray> rays;
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            rays.push_back(camera.ray(x + 0.5, y + 0.5));
+            rays.back().key = sample_key(x, y, 0);
+        }
+    std::vector<RaySample> packets(rays.size()), single(rays.size());
+    Tracer tracer(*world, built->scene->render, 0.001);
+    tracer.trace(rays, packets);
+    tracer.trace_one_by_one(true);
+    tracer.trace(rays, single);
+    int different = 0, met = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        different += !same_bits(packets[i], single[i]);
+        met += single[i].object > 0;
+    }
+    CHECK(met > columns);  // something is to be seen
+    return different;
+}
+
+const std::string head = R"(
+camera { location(1, 2, -6); look_at(0, 0.2, 0); angle(50deg); rays(1); }
+background(0.3, 0.4, 0.6);
+lights { ambient { } point { location(-3, 6, -4); intensity(40); } direct { direction(1, -2, 1); }
+         spot { location(4, 5, -3); direction(-4, -5, 3); angles(10deg, 30deg); intensity(30); } }
+)";
+
+}  // namespace
+
+TEST_CASE("Packets give the bits of single rays: products, with coincident faces and mirrors") {
+    CHECK(differences(head + R"(objects {
+        halfspace { material { solid { reflection(0.3); } } transform { translate(0, -1, 0); } }
+        subtraction { intersection { cube { } sphere { radius(1.4); } }
+                      sphere { radius(0.4); colour(0, 0, 0); transform { translate(0, 1.1, 0); } }
+                      sphere { radius(0.4); transform { translate(-0.3, 0.2, -1.1); } } cylinder { radius(0.3); } }
+        cube { colour(1, 0, 0); transform { scale(0.5); translate(2, -0.5, 0); } }
+        cube { colour(0, 1, 0); transform { scale(0.5); translate(3, -0.5, 0); } }
+        cone { transform { translate(-2.5, 0, 1); } } })") == 0);
+}
+
+TEST_CASE("Packets give the bits of single rays: trees that are no products, rings, sheets and their clips") {
+    CHECK(differences(head + R"(objects {
+        plane { transform { translate(0, -1, 0); } }
+        intersection { plane { colour(1, 1, 0); transform { rotx(1); } } sphere { transform { translate(-2, 0, 0); } } }
+        torus { colour(0.4, 0.8, 0.2); transform { rotx(0.7); translate(0.5, 0, -1); } }
+        symdiff { sphere { } cube { transform { scale(0.8); translate(0.5, 0.5, 0.5); } } transform { translate(1.5, 0.3, 1); } }
+        subtraction { torus { radii(1, 0.4); } } with { union { cube { transform { translate(1, 0, 0); } } torus { } } transform { roty(0.3); } } })") ==
+          0);
+}
+
+TEST_CASE("Packets give the bits of single rays: a camera inside, and many operands") {
+    CHECK(differences(R"(
+        camera { location(0, 0, 0); angle(80deg); rays(1); }
+        background(0.3, 0.4, 0.6);
+        lights { ambient { } point { location(0.1, 0.2, 0.3); intensity(2); } }
+        objects { subtraction { sphere { radius(4); } sphere { radius(3); }
+                  repeat i (0, 30) { sphere { radius(0.4); transform { translate(3 * cos(i), 0.1 * i - 1.5, 3 * sin(i)); } } } }
+                  sphere { radius(0.3); transform { translate(0, 0, 0.2); } } })") == 0);
+}
+
+TEST_CASE("Packets give the bits of single rays: lights with extent, textures with relief") {
+    CHECK(differences(R"(
+        camera { location(0, 1, -5); look_at(0, 0, 0); rays(1); }
+        background(0.3, 0.4, 0.6);
+        lights { ambient { } point { location(-3, 4, -4); radius(0.5); intensity(30); } direct { direction(1, -1, 1); angle(5deg); } }
+        objects { sphere { material { sine { colour(1, 0.5, 0); reflection(0.4); bump(0.3); transform { scale(0.1); } } } }
+                  halfspace { material { checkers { solid { reflection(0.5); } solid { colour(0, 0, 0); } } }
+                              transform { translate(0, -1, 0); } } })") == 0);
+}
+
+TEST_CASE("Packets give the bits of single rays in the opaque scenes that come with the program") {
+    for (const char* name : {"first.scene", "dice.scene", "trees.scene", "csg.scene"}) {
+        CAPTURE(name);
+        std::ifstream file(std::filesystem::path(LAPIDARY_SOURCE_FOLDER) / "scenes" / name);
+        std::stringstream text;
+        text << file.rdbuf();
+        CHECK(differences(text.str()) == 0);
+    }
+}
