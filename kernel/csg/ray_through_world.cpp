@@ -88,6 +88,11 @@ void RayThroughWorld::complete_opaque(Boundary& boundary) {
     }
 }
 
+bool RayThroughWorld::enters(const Boundary& boundary) {
+    line_.select(world_.solids[boundary.solid]);
+    return line_.inside(boundary.t, Side::after);
+}
+
 FaceHit RayThroughWorld::face_of(const Boundary& boundary) { return line_.face_at(boundary.leaf, boundary.t); }
 
 // A sheet is seen where every operand that clips it lets it be. Clips are closed sets: a sheet in their boundary is inside.

@@ -38,6 +38,8 @@ public:
     void meet_sheet(const Sheet& sheet, double from, Boundary& first);
     // Fills in which leaf's face a boundary of one solid is, and, where that leaf shows the innards, their labels.
     void complete_opaque(Boundary& boundary);
+    // Whether a solid lies behind its boundary, not before it.
+    bool enters(const Boundary& boundary);
     // The face of a boundary.
     FaceHit face(const Boundary& boundary) { return face_of(boundary); }
 

@@ -72,11 +72,15 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
     // The face shows its own material, else the innards; matter is sampled on its solid side.
     const MatterSite site{e.point, pixel_footprint * e.travelled};
     const Vector beyond = -to_vector(e.geometric);
-    const bool enters = dot(face.normal, ray.direction) < 0;
-    const bool solid_beyond = world.features.transparency && !e.is_sheet ? !boundary.after.is_empty() : enters;
     std::int32_t shown = leaf.appearance;
     if (shown < 0) shown = !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
     if (shown < 0) return std::nullopt;
+    // A sheet has no inside: it is sampled behind its normal, whichever side is looked at.
+    bool solid_beyond = dot(face.normal, ray.direction) < 0;
+    if (!e.is_sheet && world.features.transparency)
+        solid_beyond = !boundary.after.is_empty();
+    else if (!e.is_sheet && !world.materials[shown].is_uniform)
+        solid_beyond = ray_through_world.enters(boundary);
     e.matter = matter_beside(world.materials[shown], site, solid_beyond ? beyond : -beyond);
 
     if (world.features.transparency) {
