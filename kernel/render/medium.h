@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "kernel/export.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -19,7 +20,7 @@ struct MatterSite {
 // The matter of a material just off a surface, on the side that `toward` points to (a unit vector). A solid texture colours
 // matter, not surfaces: sampling it inside keeps a checker from speckling on a face that lies on the checker's own boundary.
 // The step is a millionth of a pixel, and above the rounding of the point.
-Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);
+LAPIDARY_API Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);
 
 // The ray in a material's space: the same t as in the world.
 inline MaterialLine material_line(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction) {
@@ -28,10 +29,10 @@ inline MaterialLine material_line(const MaterialInstance& instance, const TwoPar
 
 // The first boundary within a material between t0 and t1. One that cannot be told from an end of the stretch, where the ray
 // has just left it or a face lies upon it, is none.
-Crossing next_crossing(const Material& material, const MaterialLine& line, double t0, double t1);
+LAPIDARY_API Crossing next_crossing(const Material& material, const MaterialLine& line, double t0, double t1);
 
 // The fraction of light that a transparent material lets through from t0 to t1: Beer-Lambert, colour^(length / depth),
 // integrated where the material varies. Exactly 1 for what does not absorb, at any length.
-Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1);
+LAPIDARY_API Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1);
 
 }  // namespace lapidary
