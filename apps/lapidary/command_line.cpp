@@ -188,6 +188,8 @@ std::optional<RenderArguments> parse_render(const Words& words) {
     app.add_flag("-v,--verbose", arguments.verbose, "Show stages, times and statistics.");
     app.add_flag("-f,--full-screen", arguments.full_screen, "Show the picture on the full screen.");
     app.add_flag("-w,--no-window", arguments.no_window, "Show no window.");
+    app.add_flag("--preview", arguments.preview, "Draw the picture in the terminal.");
+    app.add_flag("--hold", arguments.hold, "Keep the window open at the end, as is done on a terminal.");
     if (!parser.parse(words)) return std::nullopt;
 
     take_scene_texts(scene, arguments.scene);

@@ -3,12 +3,14 @@
 // lapidary scene: from the scene file to the pictures.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
 #include "apps/lapidary/command_line.h"
 #include "apps/lapidary/console.h"
+#include "apps/lapidary/displays.h"
 #include "apps/lapidary/interruption.h"
 #include "apps/lapidary/picture_files.h"
 #include "apps/lapidary/render_record.h"
@@ -73,6 +75,7 @@ public:
         record_.plugins = session.registry().opened();
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();
         if (arguments_.log) write_log();
+        if (code == ExitCode::success && (arguments_.hold || console_.is_terminal())) wait_for_viewer();
         return code;
     }
 
@@ -83,6 +86,8 @@ private:
         if (!scene) return ExitCode::scene;
         pictures_ = choose_pictures(*scene, session.registry(), {arguments_.name.value_or(""), arguments_.formats}, messages_);
         if (messages_.has_errors()) return ExitCode::output;
+        choose_displays(pictures_, session.registry(), {arguments_.no_window, arguments_.full_screen, arguments_.preview},
+                        messages_);
         record_.scene = as_rendered(*scene);
         return arguments_.parse_only ? show_scene() : make_pictures(*record_.scene, session);
     }
@@ -96,7 +101,8 @@ private:
         if (arguments_.time) scene.camera.rays.reset();
         if (arguments_.samples) scene.camera.rays = arguments_.samples;
         scene.output.writers.clear();
-        for (const PictureFile& picture : pictures_) scene.output.writers.push_back({picture.output, picture.plugin, {}});
+        for (const PictureFile& picture : pictures_)
+            if (!picture.path.empty()) scene.output.writers.push_back({picture.output, picture.plugin, {}});
         return std::make_shared<Scene>(std::move(scene));
     }
 
@@ -115,7 +121,7 @@ private:
         const FrameInfo info = frame_info(scene);
         if (arguments_.region) record_.region = info.region;
         Frame frame(info.width, info.height, layers());
-        for (PictureFile& picture : pictures_) picture.output->begin(info_for(picture, info));
+        begin(info);
 
         record_.stages.begin("prepare");
         record_.world = prepare_world(scene, messages_);
@@ -123,6 +129,7 @@ private:
         record_.report = render_frame(*record_.world, scene, session, info.region, frame);
         record_.stages.begin("write");
         for (PictureFile& picture : pictures_) finish(picture, frame, info);
+        record_.stages.end();
         if (Interruption::requested() && !record_.report->complete) return ExitCode::interrupted;
         if (!record_.report->complete)
             messages_.warning({},
@@ -138,6 +145,7 @@ private:
         options.samples = arguments_.samples;
         options.error = arguments_.error;
         options.time = arguments_.time;
+        options.preview = is_shown();
         options.cancel = &Interruption::requested();
         options.on_tile = [this](const Frame& finished, const PixelRegion& tile) {
             for (PictureFile& picture : pictures_) picture.output->tile(finished, tile);
@@ -146,6 +154,34 @@ private:
         const RenderReport report = render(world, scene, frame, options);
         console_.end_progress();
         return report;
+    }
+
+    // What shows the picture may fail; what writes it may not.
+    void begin(const FrameInfo& info) {
+        std::erase_if(pictures_, [&](const PictureFile& picture) {
+            try {
+                picture.output->begin(info_for(picture, info));
+                return false;
+            } catch (const std::exception& error) {
+                if (!picture.path.empty())
+                    throw OutputError(fmt::format("'{}' cannot be written: {}", picture.path.string(), error.what()));
+                messages_.warning({},
+                                  fmt::format("{}; the picture is rendered without {}", error.what(), picture.plugin->keyword()));
+                return true;
+            }
+        });
+    }
+
+    // Whether somebody looks on while the picture grows.
+    bool is_shown() const {
+        return std::ranges::any_of(pictures_, [](const PictureFile& picture) { return picture.path.empty(); });
+    }
+
+    // Lets the user look at what is shown until it is closed.
+    void wait_for_viewer() const {
+        const auto is_open = [](const PictureFile& picture) { return picture.output->stays_open(); };
+        while (std::ranges::any_of(pictures_, is_open) && !Interruption::requested())
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
 
     LayerSet layers() const {

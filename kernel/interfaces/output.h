@@ -51,6 +51,8 @@ public:
     virtual void finish(const Frame& frame, const FrameInfo& info, const std::filesystem::path& file) = 0;
     // A closed window, an Escape key.
     virtual bool wants_to_stop() const { return false; }
+    // After the end: somebody still looks at it, and the program should wait.
+    virtual bool stays_open() const { return false; }
 };
 
 }  // namespace lapidary

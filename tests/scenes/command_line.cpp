@@ -31,8 +31,8 @@ public:
     Desk() { folder.write("ball.scene", ball); }
 
     RunResult lapidary(const std::string& words, const std::string& before = "") const {
-        return run(fmt::format("cd {0} && HOME={0} XDG_CONFIG_HOME={0} {1} {2} {3}", quoted(folder.path()), before,
-                               quoted(LAPIDARY_PROGRAM), words));
+        return run(fmt::format("cd {0} && HOME={0} XDG_CONFIG_HOME={0} DISPLAY= WAYLAND_DISPLAY= {1} {2} {3}",
+                               quoted(folder.path()), before, quoted(LAPIDARY_PROGRAM), words));
     }
     fs::path file(const std::string& name) const { return folder.path() / name; }
     bool has(const std::string& name) const { return fs::exists(file(name)); }

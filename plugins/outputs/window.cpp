@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: MIT
+//
+// window: shows the picture while it grows.
+//
+// Everything of SDL happens in one thread, which owns the window and answers keys: Escape, q or closing stop the
+// render (or end the show, when it is over), s saves what is there as a PNG file, + and - change the exposure, and the
+// title tells the pixel under the mouse. The renderer's threads only copy finished tiles into a canvas and go on.
+
+#include <SDL.h>
+#include <lapidary/image_library.h>
+#include <lapidary/plugin.h>
+#include <lapidary/save_bytes.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <future>
+#include <mutex>
+#include <span>
+#include <stdexcept>
+#include <thread>
+
+namespace lapidary {
+
+namespace {
+
+// The picture as it is shown.
+struct Shown {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> bytes;
+};
+
+// What the renderer has given so far: linear colours, and what each pixel shows.
+class Canvas {
+public:
+    struct Pixel {
+        Colour colour;
+        int object = 0, material = 0;
+    };
+
+    void resize(const FrameInfo& info) {
+        const std::scoped_lock lock(mutex_);
+        width_ = info.width, height_ = info.height;
+        pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), {});
+        changed_ = true;
+    }
+
+    void take(const Frame& frame, const PixelRegion& region) {
+        const std::scoped_lock lock(mutex_);
+        for (int y = region.y0; y < region.y1; ++y)
+            for (int x = region.x0; x < region.x1; ++x) {
+                const auto rgb = frame.pixel(Layer::colour, x, y);
+                at(x, y) = {{rgb[0], rgb[1], rgb[2]}, index(frame, Layer::object, x, y), index(frame, Layer::material, x, y)};
+            }
+        changed_ = true;
+    }
+
+    // As 8-bit sRGB, four bytes a pixel (blue first), where it has changed since the last call.
+    bool encode(double exposure, Shown& shown) {
+        const std::scoped_lock lock(mutex_);
+        if (!std::exchange(changed_, false)) return false;
+        shown.width = width_, shown.height = height_;
+        shown.bytes.resize(4 * pixels_.size());
+        std::uint8_t* byte = shown.bytes.data();
+        for (const Pixel& pixel : pixels_) {
+            const Colour c = exposure * pixel.colour;
+            *byte++ = encoded(c.b), *byte++ = encoded(c.g), *byte++ = encoded(c.r), *byte++ = 255;
+        }
+        return true;
+    }
+
+    void touch() {
+        const std::scoped_lock lock(mutex_);
+        changed_ = true;
+    }
+
+    std::optional<Pixel> pixel(int x, int y) {
+        const std::scoped_lock lock(mutex_);
+        if (x < 0 || y < 0 || x >= width_ || y >= height_) return std::nullopt;
+        return at(x, y);
+    }
+
+private:
+    static int index(const Frame& frame, Layer layer, int x, int y) {
+        return frame.has(layer) ? static_cast<int>(frame.pixel(layer, x, y)[0]) : 0;
+    }
+
+    // By a table: the eye does not see the difference to the curve itself, and the whole picture is shown often.
+    static std::uint8_t encoded(double linear) {
+        constexpr int steps = 4096;
+        static const auto table = [] {
+            std::array<std::uint8_t, steps + 1> t{};
+            for (int i = 0; i <= steps; ++i)
+                t[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255 * srgb_encode(i / double{steps})));
+            return t;
+        }();
+        if (!(linear > 0)) return 0;
+        return table[static_cast<std::size_t>(std::min(linear, 1.0) * steps + 0.5)];
+    }
+
+    Pixel& at(int x, int y) {
+        return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    }
+
+    std::mutex mutex_;
+    int width_ = 0, height_ = 0;
+    std::vector<Pixel> pixels_;
+    bool changed_ = false;
+};
+
+// What goes wrong in SDL is a sentence.
+[[noreturn]] void fail(const char* what) { throw std::runtime_error(std::string(what) + ": " + SDL_GetError()); }
+
+template <class T, void (*destroy)(T*)>
+struct Destroy {
+    void operator()(T* thing) const { destroy(thing); }
+};
+using SdlWindow = std::unique_ptr<SDL_Window, Destroy<SDL_Window, SDL_DestroyWindow>>;
+using SdlRenderer = std::unique_ptr<SDL_Renderer, Destroy<SDL_Renderer, SDL_DestroyRenderer>>;
+using SdlTexture = std::unique_ptr<SDL_Texture, Destroy<SDL_Texture, SDL_DestroyTexture>>;
+
+// SDL while it is in use. The program handles signals itself.
+struct Sdl {
+    Sdl() {
+        SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+        SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+        // Not what SDL draws where nobody sees it; SDL_VIDEODRIVER still knows better.
+        const char* const wayland = std::getenv("WAYLAND_DISPLAY");
+        SDL_SetHint(SDL_HINT_VIDEODRIVER, wayland && *wayland ? "wayland,x11" : "x11");
+        if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) fail("there is no display");
+    }
+    ~Sdl() { SDL_QuitSubSystem(SDL_INIT_VIDEO); }
+    Sdl(const Sdl&) = delete;
+    Sdl& operator=(const Sdl&) = delete;
+};
+
+// Lives in the thread that shows it.
+class Show {
+public:
+    Show(Canvas& canvas, const FrameInfo& info, bool full_screen) : canvas_(canvas), title_(info.title) {
+        const Uint32 flags = SDL_WINDOW_RESIZABLE | static_cast<Uint32>(full_screen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
+        const auto [width, height] = fitting_size(info);
+        window_.reset(SDL_CreateWindow(title_.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height, flags));
+        if (!window_) fail("no window can be opened");
+        // By software: one picture a few times a second is no work, and no graphics driver has to be loaded.
+        renderer_.reset(SDL_CreateRenderer(window_.get(), -1, SDL_RENDERER_SOFTWARE));
+        if (!renderer_) fail("nothing can be drawn into a window");
+    }
+
+    // Handles what has happened within a short time, and shows what is new. False: the user wants no more.
+    bool step(const std::string& progress) {
+        SDL_Event event;
+        bool more = SDL_WaitEventTimeout(&event, 20) == 1;
+        while (more) {
+            if (!handle(event)) return false;
+            more = SDL_PollEvent(&event) == 1;
+        }
+        draw();
+        show_title(progress);
+        return true;
+    }
+
+private:
+    // As large as the picture, where the display has room for that.
+    static std::pair<int, int> fitting_size(const FrameInfo& info) {
+        SDL_Rect usable{0, 0, info.width, info.height};
+        SDL_GetDisplayUsableBounds(0, &usable);
+        const double scale = std::min({1.0, double(usable.w) / info.width, double(usable.h) / info.height});
+        return {std::max(1, int(info.width * scale)), std::max(1, int(info.height * scale))};
+    }
+
+    bool handle(const SDL_Event& event) {
+        switch (event.type) {
+            case SDL_QUIT:
+                return false;
+            case SDL_MOUSEMOTION:
+                mouse_ = {event.motion.x, event.motion.y};
+                break;
+            case SDL_WINDOWEVENT:
+                if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_.reset();
+                canvas_.touch();
+                break;
+            case SDL_KEYDOWN:
+                return press(event.key.keysym.sym);
+            default:
+                break;
+        }
+        return true;
+    }
+
+    bool press(SDL_Keycode key) {
+        switch (key) {
+            case SDLK_ESCAPE:
+            case SDLK_q:
+                return false;
+            case SDLK_s:
+                save();
+                break;
+            case SDLK_PLUS:
+            case SDLK_EQUALS:
+            case SDLK_KP_PLUS:
+                expose(+1);
+                break;
+            case SDLK_MINUS:
+            case SDLK_KP_MINUS:
+                expose(-1);
+                break;
+            default:
+                break;
+        }
+        return true;
+    }
+
+    // In steps of half a stop.
+    void expose(int steps) {
+        half_stops_ += steps;
+        canvas_.touch();
+    }
+    double exposure() const { return std::exp2(0.5 * half_stops_); }
+
+    void draw() {
+        if (!canvas_.encode(exposure(), shown_)) return;
+        if (!texture_ || texture_width_ != shown_.width || texture_height_ != shown_.height) {
+            texture_width_ = shown_.width, texture_height_ = shown_.height;
+            texture_.reset(SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STREAMING,
+                                             texture_width_, texture_height_));
+            if (!texture_) fail("the picture cannot be shown");
+            SDL_RenderSetLogicalSize(renderer_.get(), texture_width_, texture_height_);
+        }
+        SDL_UpdateTexture(texture_.get(), nullptr, shown_.bytes.data(), 4 * texture_width_);
+        SDL_RenderClear(renderer_.get());
+        SDL_RenderCopy(renderer_.get(), texture_.get(), nullptr, nullptr);
+        SDL_RenderPresent(renderer_.get());
+    }
+
+    // The picture as it is shown, under the next free name.
+    void save() {
+        Picture picture;
+        picture.format = "png";
+        picture.width = picture.full_width = shown_.width, picture.height = picture.full_height = shown_.height;
+        picture.channels = {{"R"}, {"G"}, {"B"}};
+        picture.linear = false;
+        std::vector<std::uint8_t> samples;
+        for (std::size_t i = 0; i < shown_.bytes.size(); i += 4)
+            samples.insert(samples.end(), {shown_.bytes[i + 2], shown_.bytes[i + 1], shown_.bytes[i]});
+        picture.samples = std::move(samples);
+        std::filesystem::path file;
+        for (int n = 1; file.empty() || std::filesystem::exists(file); ++n) file = title_ + "-" + std::to_string(n) + ".png";
+        try {
+            save_bytes(load_image_library()->encode(picture), file);
+            remark_ = "saved " + file.string();
+        } catch (const std::exception& error) {
+            remark_ = file.string() + " cannot be written: " + error.what();
+        }
+    }
+
+    void show_title(const std::string& progress) {
+        std::string title = title_ + progress;
+        if (half_stops_ != 0) title += ", exposure " + std::string(half_stops_ > 0 ? "+" : "") + decimal(0.5 * half_stops_);
+        if (mouse_)
+            if (const auto pixel = canvas_.pixel(mouse_->first, mouse_->second)) title += ", " + describe(*pixel);
+        if (!remark_.empty()) title += ", " + remark_;
+        if (title == shown_title_) return;
+        shown_title_ = title;
+        SDL_SetWindowTitle(window_.get(), title.c_str());
+    }
+
+    std::string describe(const Canvas::Pixel& pixel) const {
+        const Colour& c = pixel.colour;
+        return std::to_string(mouse_->first) + "," + std::to_string(mouse_->second) + ": " + decimal(c.r) + " " + decimal(c.g) +
+               " " + decimal(c.b) + " object " + std::to_string(pixel.object) + " material " + std::to_string(pixel.material);
+    }
+
+    static std::string decimal(double value) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.4g", value);
+        return text;
+    }
+
+    Canvas& canvas_;
+    std::string title_, shown_title_, remark_;
+    SdlWindow window_;
+    SdlRenderer renderer_;
+    SdlTexture texture_;
+    int texture_width_ = 0, texture_height_ = 0;
+    Shown shown_;
+    int half_stops_ = 0;
+    std::optional<std::pair<int, int>> mouse_;
+};
+
+}  // namespace
+
+class Window final : public Output {
+public:
+    static void describe(Schema<Window>& schema) {
+        schema.summary("Shows the picture while it grows.");
+        schema.add("full_screen", &Window::full_screen_, {"no", "yes"}).help("Fill the whole screen.");
+    }
+
+    ~Window() override {
+        closing_ = true;
+        if (thread_.joinable()) thread_.join();
+    }
+
+    LayerSet layers() const override { return {Layer::object, Layer::material}; }
+
+    // Throws where there is no display.
+    void begin(const FrameInfo& info) override {
+        canvas_.resize(info);
+        finished_ = 0;
+        pixels_ = static_cast<double>(info.region.width()) * info.region.height();
+        if (thread_.joinable()) return;  // the same window for the next picture
+        std::promise<void> opened;
+        std::future<void> result = opened.get_future();
+        thread_ = std::thread([this, info, promise = std::move(opened)]() mutable { run(info, promise); });
+        result.get();
+    }
+
+    void tile(const Frame& frame, const PixelRegion& region) override {
+        canvas_.take(frame, region);
+        finished_ = frame.finished();
+    }
+
+    void finish(const Frame& frame, const FrameInfo& info, const std::filesystem::path&) override { tile(frame, info.region); }
+
+    bool wants_to_stop() const override { return stopped_; }
+    bool stays_open() const override { return thread_.joinable() && !stopped_; }
+
+private:
+    void run(const FrameInfo& info, std::promise<void>& opened) {
+        bool is_open = false;
+        try {
+            const Sdl sdl;
+            Show show(canvas_, info, full_screen_ == Choice::yes);
+            is_open = true;
+            opened.set_value();
+            while (!closing_ && show.step(progress())) continue;
+        } catch (...) {
+            // A window that fails later is as good as one that was closed.
+            if (!is_open) opened.set_exception(std::current_exception());
+        }
+        stopped_ = true;
+    }
+
+    std::string progress() const {
+        const int percent = static_cast<int>(100 * static_cast<double>(finished_) / pixels_);
+        return percent < 100 ? ", " + std::to_string(percent) + " %" : "";
+    }
+
+    enum class Choice { no, yes };
+    Choice full_screen_ = Choice::no;
+
+    Canvas canvas_;
+    std::atomic<std::size_t> finished_{0};
+    std::atomic<double> pixels_{1};
+    std::atomic<bool> closing_{false}, stopped_{false};
+    std::thread thread_;
+};
+
+LAPIDARY_PLUGIN(Window)
+
+}  // namespace lapidary

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+//
+// The window on a display of its own (Xvfb), driven as by a user (xdotool); the terminal's picture; and what happens
+// where there is no display.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "lapidary/image_library.h"
+#include "support/catch.h"
+#include "support/run.h"
+#include "support/temporary_folder.h"
+
+namespace lapidary {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* ball = R"(
+camera { location(0, 0, -3); }
+output { resolution(200, 150); }
+background(0, 0, 1);
+lights { ambient { intensity(1); } }
+objects { sphere { colour(1, 0, 0); } }
+)";
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+bool have(const std::string& program) { return run("command -v " + program).exit_code == 0; }
+
+// A display without a screen, gone after the test.
+class VirtualDisplay {
+public:
+    VirtualDisplay() {
+        // Xvfb chooses a free number and tells it.
+        const RunResult started = run(fmt::format(
+            "cd {0}; Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>number >/dev/null 2>&1 & echo $! > {0}/process; "
+            "for i in $(seq 100); do [ -s {0}/number ] && break; sleep 0.1; done; cat {0}/number {0}/process",
+            quoted(folder_.path())));
+        std::size_t end = 0;
+        number_ = std::stoi(started.output, &end);
+        process_ = std::stoi(started.output.substr(end));
+    }
+    ~VirtualDisplay() { run(fmt::format("kill {}", process_)); }
+    VirtualDisplay(const VirtualDisplay&) = delete;
+    VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+
+    std::string variable() const { return fmt::format("DISPLAY=:{}", number_); }
+    RunResult tool(const std::string& words) const { return run(variable() + " " + words); }
+
+private:
+    TemporaryFolder folder_;
+    int number_ = 0, process_ = 0;
+};
+
+// A render in the background that keeps its window.
+class Show {
+public:
+    Show(const VirtualDisplay& display, const std::string& options) : display_(display) {
+        folder.write("ball.scene", ball);
+        run(fmt::format(
+            "(cd {0}; {1} HOME={0} timeout 60 {2} --hold {3} ball.scene >said 2>&1; echo $? >status) >/dev/null 2>&1 &",
+            quoted(folder.path()), display.variable(), quoted(LAPIDARY_PROGRAM), options));
+    }
+    ~Show() {
+        press("Escape");
+        wait_for("status");
+    }
+
+    std::string title() const { return display_.tool("xdotool search --name '^ball' getwindowname").output; }
+    void press(const std::string& key) const { display_.tool("sh -c 'xdotool search --name ^ball windowfocus key " + key + "'"); }
+    // Ten seconds are enough for everything here.
+    bool wait_for_title(const std::string& part) const {
+        return wait([&] { return contains(title(), part); });
+    }
+    bool wait_for(const std::string& file) const {
+        return wait([&] { return fs::exists(folder.path() / file) && fs::file_size(folder.path() / file) > 0; });
+    }
+    std::string text(const std::string& file) const {
+        std::ifstream stream(folder.path() / file);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+    TemporaryFolder folder;
+
+private:
+    template <class Condition>
+    static bool wait(Condition condition) {
+        for (int i = 0; i < 100; ++i) {
+            if (condition()) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        }
+        return false;
+    }
+
+    const VirtualDisplay& display_;
+};
+
+bool can_show() {
+    if (have("Xvfb") && have("xdotool")) return true;
+    WARN("Xvfb and xdotool are not installed: the window is not tested");
+    return false;
+}
+
+std::array<int, 3> colour_at(const Picture& picture, int x, int y) {
+    std::array<int, 3> colour{};
+    for (std::size_t c = 0; c < 3; ++c)
+        colour[c] = static_cast<int>(std::lround(
+            255 * std::get<std::vector<float>>(
+                      picture.samples)[static_cast<std::size_t>(y * picture.width + x) * picture.channels.size() + c]));
+    return colour;
+}
+
+TEST_CASE("the window shows the picture, tells of pixels, saves, and closes on Escape") {
+    if (!can_show()) return;
+    const VirtualDisplay display;
+    const Show show(display, "");
+    REQUIRE(show.wait_for_title("ball"));
+    REQUIRE(show.wait_for("ball.png"));
+
+    display.tool("sh -c 'xdotool search --name ^ball mousemove --window %1 100 75'");
+    CHECK(show.wait_for_title("100,75: 1 0 0 object 1"));
+    show.press("s");
+    REQUIRE(show.wait_for("ball-1.png"));
+    CHECK(show.wait_for_title("saved ball-1.png"));
+    const Picture saved = load_image_library()->decode(show.folder.path() / "ball-1.png");
+    CHECK(saved.width == 200);
+    CHECK(colour_at(saved, 100, 75) == std::array{255, 0, 0});
+    CHECK(colour_at(saved, 1, 1) == std::array{0, 0, 255});
+    show.press("minus");
+    CHECK(show.wait_for_title("exposure -0.5"));
+
+    show.press("Escape");
+    REQUIRE(show.wait_for("status"));
+    CHECK(show.text("status") == "0\n");
+    CHECK(show.text("said").empty());
+}
+
+TEST_CASE("what is on the screen is the picture") {
+    if (!can_show() || !have("import")) return;
+    const VirtualDisplay display;
+    const Show show(display, "");
+    REQUIRE(show.wait_for("ball.png"));
+    REQUIRE(show.wait_for_title("ball"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const fs::path shot = show.folder.path() / "shot.png";
+    display.tool("import -window root " + quoted(shot));
+    // The window stands in the middle of a screen of 640x480.
+    const Picture screen = load_image_library()->decode(shot);
+    CHECK(colour_at(screen, 320, 240) == std::array{255, 0, 0});
+    int blue = 0;
+    for (int y = 0; y < 480; ++y)
+        for (int x = 0; x < 640; ++x) blue += colour_at(screen, x, y) == std::array{0, 0, 255};
+    CHECK(blue > 5000);
+}
+
+TEST_CASE("Escape stops a render: what is done is written, and the status says interrupted") {
+    if (!can_show()) return;
+    const VirtualDisplay display;
+    const Show show(display, "--samples 100000");
+    REQUIRE(show.wait_for_title("ball, 0 %"));
+    show.press("Escape");
+    REQUIRE(show.wait_for("status"));
+    CHECK(show.text("status") == "130\n");
+    CHECK(contains(show.text("said"), "interrupted: ball.png"));
+    CHECK(fs::exists(show.folder.path() / "ball.png"));
+}
+
+TEST_CASE("without a display there is one line of warning, and the picture") {
+    const TemporaryFolder folder;
+    folder.write("ball.scene", ball);
+    const auto lapidary = [&](const std::string& display, const std::string& words) {
+        return run(fmt::format("cd {0} && HOME={0} WAYLAND_DISPLAY= DISPLAY={1} {2} {3} ball.scene", quoted(folder.path()),
+                               display, quoted(LAPIDARY_PROGRAM), words));
+    };
+    const RunResult asked = lapidary("", "-f -o asked");
+    CHECK(asked.exit_code == 0);
+    CHECK(asked.output ==
+          "warning: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); the picture is rendered without window\n");
+    CHECK(fs::exists(folder.path() / "asked.png"));
+
+    const RunResult dead = lapidary(":987", "-o dead");
+    CHECK(dead.exit_code == 0);
+    CHECK(contains(dead.output, "warning: there is no display: "));
+    CHECK(std::count(dead.output.begin(), dead.output.end(), '\n') == 1);
+    CHECK(fs::exists(folder.path() / "dead.png"));
+
+    CHECK(lapidary("", "-o quiet").output.empty());
+    CHECK(lapidary(":987", "-w -o quiet").output.empty());
+}
+
+TEST_CASE("--preview draws the picture in half blocks of true colour") {
+    const TemporaryFolder folder;
+    folder.write("ball.scene", ball);
+    const RunResult result = run(fmt::format("cd {0} && HOME={0} WAYLAND_DISPLAY= DISPLAY= {1} --preview ball.scene",
+                                             quoted(folder.path()), quoted(LAPIDARY_PROGRAM)));
+    CHECK(result.exit_code == 0);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 30);  // 80 columns, 60 pixels high
+    CHECK(result.output.starts_with("\033[38;2;0;0;255m\033[48;2;0;0;255m▀"));
+    CHECK(contains(result.output, "255;0;0m"));
+    CHECK_FALSE(contains(result.output, "\033[30A"));  // drawn once where it is no terminal
+}
+
+}  // namespace
+}  // namespace lapidary
