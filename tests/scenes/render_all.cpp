@@ -97,7 +97,7 @@ TEST_CASE("the benchmark's scenes build without a message") {
     }
 }
 
-TEST_CASE("the picture does not depend on the number of threads") {
+TEST_CASE("pictures of shown scenes do not depend on the number of threads") {
     for (const char* name : {"dice.scene", "csg.scene", "trees.scene"}) {
         INFO(name);
         const auto ready = make_ready(fs::path(LAPIDARY_SOURCE_FOLDER) / "scenes" / name, 100, 75);
@@ -112,7 +112,7 @@ TEST_CASE("the picture does not depend on the number of threads") {
     }
 }
 
-TEST_CASE("regions put together are the picture") {
+TEST_CASE("regions of shown scenes put together are their pictures") {
     for (const char* name : {"dice.scene", "csg.scene"}) {
         INFO(name);
         const auto ready = make_ready(fs::path(LAPIDARY_SOURCE_FOLDER) / "scenes" / name, 100, 75);
