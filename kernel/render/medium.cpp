@@ -62,11 +62,24 @@ Crossing next_crossing(const Material& material, const MaterialLine& line, doubl
     for (double from = t0;;) {
         const Crossing crossing = material.next_boundary(line, from, t1);
         if (!(crossing.t < t1)) return {};
-        const double rounding = 0x1p-44 * (largest_component(line.at(crossing.t)) + 0x1p-10);
+        const double rounding =
+            0x1p-44 * (std::max(largest_component(line.origin), largest_component(line.at(crossing.t))) + 0x1p-10);
         const double slope = std::fabs(dot(normalize(crossing.normal), line.direction));
         if ((crossing.t - t0) * slope > rounding && (t1 - crossing.t) * slope > rounding) return crossing;
         from = crossing.t;
     }
+}
+
+// A line that comes from afar has lost digits of the crossing: a line about the point found finds them again.
+TwoPartPoint crossing_point(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction, double t) {
+    const TwoPartPoint found{origin.anchor, origin.offset + t * direction};
+    const TwoPartVector rest = found - TwoPartPoint(found.rounded());
+    const TwoPartPoint nearby{found.rounded(), rest.hi + rest.lo};
+    const MaterialLine line = material_line(instance, nearby, direction);
+    if (t * length(line.direction) < 16 * (largest_component(line.origin) + 0x1p-10)) return found;
+    const double lost = 0x1p-48 * t;
+    const Crossing again = instance.material->next_boundary(line, -lost, lost);
+    return again.t < lost ? TwoPartPoint{nearby.anchor, nearby.offset + again.t * direction} : found;
 }
 
 Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {

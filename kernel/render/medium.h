@@ -31,6 +31,10 @@ inline MaterialLine material_line(const MaterialInstance& instance, const TwoPar
 // has just left it or a face lies upon it, is none.
 LAPIDARY_API Crossing next_crossing(const Material& material, const MaterialLine& line, double t0, double t1);
 
+// The point of a ray at a crossing, on the boundary to the rounding of the point itself, however far the ray has come.
+LAPIDARY_API TwoPartPoint crossing_point(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction,
+                                         double t);
+
 // The fraction of light that a transparent material lets through from t0 to t1: Beer-Lambert, colour^(length / depth),
 // integrated where the material varies. Exactly 1 for what does not absorb, at any length.
 LAPIDARY_API Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1);

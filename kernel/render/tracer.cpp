@@ -111,7 +111,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
                                                                     const Crossing& crossing, double travelled) {
     ++statistics.march_steps;
     Encounter e;
-    e.point = {ray.origin.anchor, ray.origin.offset + crossing.t * ray.direction};
+    e.point = crossing_point(medium, ray.origin, ray.direction, crossing.t);
     e.outward = normalize(medium.placement.to_parent(crossing.normal));
     if (e.outward == Normal()) return std::nullopt;
     e.geometric = dot(e.outward, ray.direction) > 0 ? -e.outward : e.outward;
