@@ -115,3 +115,68 @@ TEST_CASE("A ball of rings looks like the same ball built of shells") {
     CAPTURE(comparison.worst);
     CHECK(comparison.different == 0);
 }
+
+TEST_CASE("In rings a ray keeps n r sin = const, shell by shell") {
+    // A ball of radius 4: shells of 1.5 and 1.3 by turns, the innermost 1.5.
+    TracedScene scene(
+        "render { depth(30); cutoff(0.1); } objects { sphere { radius(4); material { rings { solid { refraction(1.5); } "
+        "solid { refraction(1.3); } } } } " +
+        wall + "}");
+    const auto index_in = [](int shell) { return shell >= 4 ? 1.0 : shell % 2 == 0 ? 1.5 : 1.3; };
+    for (const double b : {0.0, 0.3, 0.9, 1.2, 1.4, 1.6, 2.5, 2.8, 3.8, 3.95}) {
+        CAPTURE(b);
+        // Inward through shell k to radius k, unless n k < b: then it turns there, or is turned back at the shell within.
+        const auto path = scene.trace({-9, b, 0}, {1, 0, 0}).main_path();
+        int shell = 4;
+        double turned = 0, worst = 0;  // the angle about the centre
+        std::size_t i = 0;
+        const auto meet = [&](int radius) {
+            REQUIRE(i < path.size());
+            const Point p = path[i++].point.rounded();
+            worst = std::max(worst, std::fabs(length(p) - radius));
+            const double angle = std::atan2(p.y, -p.x);
+            worst = std::max(worst, std::fabs(std::remainder(angle - turned, 2 * std::numbers::pi)));
+        };
+        turned = std::asin(b / 4);
+        meet(4);
+        for (shell = 3; shell > 0 && index_in(shell) * shell > b && index_in(shell - 1) * shell > b; --shell) {
+            turned += std::asin(b / (index_in(shell) * shell)) - std::asin(b / (index_in(shell) * (shell + 1)));
+            meet(shell);
+        }
+        // In this shell the way is a chord, or ends at the shell within, by which it is totally reflected.
+        const double half_chord = std::acos(b / (index_in(shell) * (shell + 1)));
+        if (shell > 0 && index_in(shell) * shell > b) {
+            turned += half_chord - std::acos(b / (index_in(shell) * shell));
+            meet(shell);
+            turned += half_chord - std::acos(b / (index_in(shell) * shell));
+        } else {
+            turned += 2 * half_chord;
+        }
+        for (++shell;; ++shell) {
+            meet(shell);
+            if (shell == 4) break;
+            turned += std::asin(b / (index_in(shell) * shell)) - std::asin(b / (index_in(shell) * (shell + 1)));
+        }
+        CHECK(i + 1 == path.size());  // and the wall
+        CHECK(worst <= 1e-13);
+    }
+}
+
+TEST_CASE("Textured glass looks like glass built of pieces, in a hundred thousand rays", "[.long]") {
+    TracedScene checkers =
+        scene_of("union { cube { material { checkers { " + two_glasses.even + two_glasses.odd + " } } } } ", 6);
+    TracedScene cubes = scene_of(checkers_of_cubes(two_glasses, 1), 6);
+    const Comparison of_checkers = compare(checkers, cubes, 50000, 1.5, 1e-9);
+    CAPTURE(of_checkers.worst);
+    CHECK(of_checkers.different == 0);
+
+    TracedScene rings = scene_of("sphere { radius(3); material { rings { " + two_glasses.even + two_glasses.odd + " } } } ", 6);
+    TracedScene shells =
+        scene_of(fmt::format("sphere {{ radius(1); material {{ {0} }} }} sphere {{ radius(2); material {{ {1} }} }} "
+                             "sphere {{ radius(3); material {{ {0} }} }} ",
+                             two_glasses.even, two_glasses.odd),
+                 6);
+    const Comparison of_rings = compare(rings, shells, 50000, 3, 1e-9);
+    CAPTURE(of_rings.worst);
+    CHECK(of_rings.different == 0);
+}
