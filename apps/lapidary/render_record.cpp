@@ -104,6 +104,7 @@ std::vector<std::string> statistics(const RenderRecord& record) {
         lines.push_back(fmt::format("{} samples, {:.1f} a pixel", record.report->samples,
                                     share(record.report->samples, record.report->pixels)));
         add_trace(record.report->trace, lines);
+        lines.push_back(fmt::format("traced in {:.1f} ms of processor time", 1e3 * record.report->processor_seconds));
     }
     for (const Stage& stage : record.stages.all())
         lines.push_back(fmt::format("{:<8} {:9.1f} ms", stage.name, 1e3 * stage.seconds));

@@ -123,6 +123,13 @@ struct Worker {
     std::uint64_t non_finite_samples = 0;
 };
 
+// What the calling thread has used of a processor, in seconds.
+double processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 class Passes {
 public:
     Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
@@ -190,6 +197,7 @@ private:
     bool wants_layers_ = false;
 
     std::atomic<std::uint64_t> taken_samples_{0};
+    std::atomic<double> processor_seconds_{0};
     std::uint64_t expected_samples_ = 0;  // as far as is known between passes
 
     tbb::enumerable_thread_specific<Worker> workers_;
@@ -292,7 +300,9 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
+            const double begin = processor_time();
             for (std::size_t i = range.begin(); i != range.end() && !is_stopped(); ++i) body(tiles[i]);
+            processor_seconds_ += processor_time() - begin;
         },
         tbb::simple_partitioner());
 }
@@ -557,6 +567,7 @@ RenderReport Passes::report() {
         report.trace.non_finite_samples += worker.non_finite_samples;
     }
     report.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    report.processor_seconds = processor_seconds_;
     return report;
 }
 

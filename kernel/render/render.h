@@ -36,7 +36,8 @@ struct RenderReport {
     std::size_t pixels = 0, finished = 0;
     std::size_t within_error = 0;  // pixels that met the bound
     std::uint64_t samples = 0;
-    double seconds = 0;
+    double seconds = 0;            // on the clock
+    double processor_seconds = 0;  // of all rendering threads together
     TraceStatistics trace;
 };
 
