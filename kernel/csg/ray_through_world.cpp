@@ -23,18 +23,39 @@ void RayThroughWorld::for_each_solid_at(double t, Visit visit) {
     world_.hierarchy.for_each_at(origin_ + t * ray_.direction, slack(t), select_and_visit);
 }
 
-// Of the solids that hold the point, the one of highest priority, among equals the first in the order of writing.
-Label RayThroughWorld::label(double t, Side side) {
+namespace {
+
+// Of the solids that hold a point, the one of highest priority owns it, among equals the first in the order of writing.
+struct Ownership {
     Label owner;
-    std::int32_t owner_solid = -1;
-    for_each_solid_at(t, [&](std::int32_t solid) {
-        const Label candidate = line_.label(t, side);
+    std::int32_t solid = -1;
+
+    void claim(const Label& candidate, std::int32_t claimant) {
         if (candidate.is_empty()) return;
-        const bool wins = owner.is_empty() || candidate.priority > owner.priority ||
-                          (candidate.priority == owner.priority && solid < owner_solid);
-        if (wins) owner = candidate, owner_solid = solid;
+        const bool wins =
+            owner.is_empty() || candidate.priority > owner.priority || (candidate.priority == owner.priority && claimant < solid);
+        if (wins) owner = candidate, solid = claimant;
+    }
+};
+
+}  // namespace
+
+Label RayThroughWorld::label(double t, Side side) {
+    Ownership ownership;
+    for_each_solid_at(t, [&](std::int32_t solid) { ownership.claim(line_.label(t, side), solid); });
+    return ownership.owner;
+}
+
+// What lies behind a boundary. Where several solids change there at once, its face becomes that of the first in the order of
+// writing.
+Label RayThroughWorld::step_into(Boundary& boundary) {
+    Ownership behind;
+    for_each_solid_at(boundary.t, [&](std::int32_t solid) {
+        behind.claim(line_.label(boundary.t, Side::after), solid);
+        if (boundary.leaf >= 0 && solid >= boundary.solid) return;
+        if (const std::int32_t leaf = line_.leaf_at(boundary.t); leaf >= 0) boundary.leaf = leaf, boundary.solid = solid;
     });
-    return owner;
+    return behind.owner;
 }
 
 double RayThroughWorld::next_change(std::int32_t solid, double from) {
@@ -44,7 +65,7 @@ double RayThroughWorld::next_change(std::int32_t solid, double from) {
     return t > from ? t : line_.leave(from);
 }
 
-Boundary RayThroughWorld::next(double from) {
+Boundary RayThroughWorld::next(double from, const Label& here) {
     Boundary first;
     const auto visit = [&](std::int32_t solid) {
         const double t = next_change(solid, from);
@@ -58,16 +79,8 @@ Boundary RayThroughWorld::next(double from) {
     if (first.t == infinity) return first;
 
     if (world_.features.transparency) {
-        first.before = label(first.t, Side::before);
-        first.after = label(first.t, Side::after);
-        // Where several solids change at once, the face is that of the first in the order of writing.
-        if (!first.is_sheet()) {
-            for_each_solid_at(first.t, [&](std::int32_t solid) {
-                const bool earlier = first.leaf < 0 || solid < first.solid;
-                if (!earlier) return;
-                if (const std::int32_t leaf = line_.leaf_at(first.t); leaf >= 0) first.leaf = leaf, first.solid = solid;
-            });
-        }
+        first.before = here;
+        first.after = first.is_sheet() ? here : step_into(first);
     } else if (!first.is_sheet()) {
         complete_opaque(first);
     }
@@ -92,8 +105,6 @@ bool RayThroughWorld::enters(const Boundary& boundary) {
     line_.select(world_.solids[boundary.solid]);
     return line_.inside(boundary.t, Side::after);
 }
-
-FaceHit RayThroughWorld::face_of(const Boundary& boundary) { return line_.face_at(boundary.leaf, boundary.t); }
 
 // A sheet is seen where every operand that clips it lets it be. Clips are closed sets: a sheet in their boundary is inside.
 bool RayThroughWorld::is_seen(const Sheet& sheet, double t) {

@@ -32,8 +32,9 @@ public:
 
     // What the ray is in at t, on one side of it.
     Label label(double t, Side side);
-    // The first boundary behind `from`; where nothing is transparent, `from` is the start of the ray.
-    Boundary next(double from);
+    // The first boundary behind `from`; where nothing is transparent, `from` is the start of the ray. `here` is what the ray is
+    // in on the way there.
+    Boundary next(double from, const Label& here);
     // Replaces `first` by a sheet that is seen before it.
     void meet_sheet(const Sheet& sheet, double from, Boundary& first);
     // Fills in which leaf's face a boundary of one solid is, and, where that leaf shows the innards, their labels.
@@ -41,16 +42,16 @@ public:
     // Whether a solid lies behind its boundary, not before it.
     bool enters(const Boundary& boundary);
     // The face of a boundary.
-    FaceHit face(const Boundary& boundary) { return face_of(boundary); }
+    FaceHit face(const Boundary& boundary) { return line_.face_at(boundary.leaf, boundary.t); }
 
     // Whether any solid or sheet lies between the start and `distance`, for a World in which all are opaque.
     bool is_blocked(double distance);
     bool is_blocked_by(const Sheet& sheet, double distance);
 
 private:
+    Label step_into(Boundary& boundary);
     double next_change(std::int32_t solid, double from);
     bool is_seen(const Sheet& sheet, double t);
-    FaceHit face_of(const Boundary& boundary);
     double slack(double t) const { return 0x1p-50 * (origin_size_ + std::fabs(t)); }
     template <class Visit>
     void for_each_solid_at(double t, Visit visit);

@@ -148,7 +148,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
     for (double from = 0; from < distance && !is_black(passed);) {
-        const Boundary boundary = through.next(from);
+        const Boundary boundary = through.next(from, label);
         const double to = std::min(boundary.t, distance);
         if (!label.is_empty()) {
             const MaterialInstance& medium = world.materials[label.medium];
@@ -285,7 +285,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
     Colour gathered, passed = Colour::white();
     for (double from = 0;;) {
-        const Boundary boundary = ray_through_world.next(from);
+        const Boundary boundary = ray_through_world.next(from, label);
         std::optional<Encounter> encounter;
         double to = boundary.t;
 
