@@ -190,6 +190,7 @@ std::optional<RenderArguments> parse_render(const Words& words) {
     app.add_flag("-w,--no-window", arguments.no_window, "Show no window.");
     app.add_flag("--preview", arguments.preview, "Draw the picture in the terminal.");
     app.add_flag("--hold", arguments.hold, "Keep the window open at the end, as is done on a terminal.");
+    app.add_flag("--watch", arguments.watch, "Render again whenever the scene or an included file is saved.");
     if (!parser.parse(words)) return std::nullopt;
 
     take_scene_texts(scene, arguments.scene);

@@ -26,6 +26,8 @@ void Interruption::receive(int) {
     _exit(static_cast<int>(ExitCode::interrupted));
 }
 
+bool Interruption::signalled() { return signals > 0; }
+
 void Interruption::listen() {
     static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
     struct sigaction action {};

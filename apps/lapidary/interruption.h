@@ -16,6 +16,10 @@ public:
     static void listen();
     static void request() { requested_ = true; }
     static const std::atomic<bool>& requested() { return requested_; }
+    // Whether a signal came, not the program's own request.
+    static bool signalled();
+    // Takes a request of the program's own back; a signal's stays.
+    static void withdraw() { requested_ = signalled(); }
 
     // A file that is half written; the second signal removes it.
     static void guard(const std::filesystem::path& file);

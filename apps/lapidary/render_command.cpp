@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <thread>
 
 #include "apps/lapidary/command_line.h"
 #include "apps/lapidary/console.h"
 #include "apps/lapidary/displays.h"
+#include "apps/lapidary/file_watch.h"
 #include "apps/lapidary/interruption.h"
 #include "apps/lapidary/picture_files.h"
 #include "apps/lapidary/render_record.h"
@@ -26,15 +28,16 @@ namespace lapidary {
 namespace {
 
 // Looks after the renderer from the side, every few milliseconds: shows the progress, and stops the work when an output
-// wants to.
+// wants to, or when a file that it is made from was saved.
 class Watch {
 public:
-    Watch(const Frame& frame, const std::vector<PictureFile>& pictures, Console& console)
-        : thread_([this, &frame, &pictures, &console] {
+    Watch(const Frame& frame, const std::vector<PictureFile>& pictures, std::optional<FileWatch>& files, Console& console)
+        : thread_([this, &frame, &pictures, &files, &console] {
               std::unique_lock lock(mutex_);
               while (!done_.wait_for(lock, std::chrono::milliseconds(10), [this] { return over_; })) {
                   for (const PictureFile& picture : pictures)
                       if (picture.output->wants_to_stop()) Interruption::request();
+                  if (files && files->changed()) Interruption::request();
                   console.show_progress(frame.progress());
               }
           }) {}
@@ -57,10 +60,15 @@ private:
     std::thread thread_;
 };
 
+// What shows the pictures, by keyword, and stays from one render to the next.
+using Displays = std::map<std::string, std::shared_ptr<Output>>;
+
 class RenderCommand {
 public:
-    RenderCommand(const RenderArguments& arguments, const Words& words)
-        : arguments_(arguments), console_({!arguments.no_warnings, arguments.verbose || arguments.parse_only}) {
+    RenderCommand(const RenderArguments& arguments, const Words& words, Displays& displays)
+        : arguments_(arguments),
+          displays_(displays),
+          console_({!arguments.no_warnings, arguments.verbose || arguments.parse_only}) {
         console_.listen_to(messages_);
         record_.words = words;
     }
@@ -70,16 +78,43 @@ public:
         Session session(arguments_.scene, messages_);
         session.load();
         record_.files = session.files();
+        if (arguments_.watch) watch_files();
         const ExitCode code = carry_out(session);
         record_.stages.end();
         record_.plugins = session.registry().opened();
+        if (was_saved()) return code;
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();
         if (arguments_.log) write_log();
-        if (code == ExitCode::success && (arguments_.hold || console_.is_terminal())) wait_for_viewer();
+        if (code == ExitCode::success && !arguments_.watch && (arguments_.hold || console_.is_terminal())) wait_for_viewer();
         return code;
     }
 
+    // Waits until one of the scene's files is saved. False: the user wants no more.
+    bool wait_until_saved() {
+        Interruption::listen();
+        console_.say("waiting until " + arguments_.scene.file.string() + " is saved");
+        const auto is_closed = [](const auto& display) { return display.second->wants_to_stop(); };
+        while (!was_saved()) {
+            if (Interruption::signalled() || std::ranges::any_of(displays_, is_closed)) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        return true;
+    }
+
 private:
+    void watch_files() {
+        saved_.emplace();
+        saved_->add(arguments_.scene.file);
+        for (const std::string& file : record_.files) saved_->add(file);
+    }
+    bool was_saved() { return saved_ && saved_->changed(); }
+
+    // A window that is open shows the next picture, too.
+    void keep_displays() {
+        for (PictureFile& picture : pictures_)
+            if (picture.path.empty()) picture.output = displays_.emplace(picture.plugin->keyword(), picture.output).first->second;
+    }
+
     ExitCode carry_out(Session& session) {
         record_.stages.begin("build");
         const auto scene = session.build();
@@ -88,6 +123,7 @@ private:
         if (messages_.has_errors()) return ExitCode::output;
         choose_displays(pictures_, session.registry(), {arguments_.no_window, arguments_.full_screen, arguments_.preview},
                         messages_);
+        keep_displays();
         record_.scene = as_rendered(*scene);
         return arguments_.parse_only ? show_scene() : make_pictures(*record_.scene, session);
     }
@@ -127,6 +163,7 @@ private:
         record_.world = prepare_world(scene, messages_);
         record_.stages.begin("render");
         record_.report = render_frame(*record_.world, scene, session, info.region, frame);
+        if (was_saved()) return ExitCode::interrupted;  // nobody wants this picture any more
         record_.stages.begin("write");
         for (PictureFile& picture : pictures_) finish(picture, frame, info);
         record_.stages.end();
@@ -150,7 +187,7 @@ private:
         options.on_tile = [this](const Frame& finished, const PixelRegion& tile) {
             for (PictureFile& picture : pictures_) picture.output->tile(finished, tile);
         };
-        const Watch watch(frame, pictures_, console_);
+        const Watch watch(frame, pictures_, saved_, console_);
         const RenderReport report = render(world, scene, frame, options);
         console_.end_progress();
         return report;
@@ -238,17 +275,33 @@ private:
     }
 
     const RenderArguments& arguments_;
+    Displays& displays_;
     Messages messages_;
     Console console_;
     std::vector<PictureFile> pictures_;
     RenderRecord record_;
+    std::optional<FileWatch> saved_;  // for --watch
 };
+
+// Renders whenever the scene is saved, until the user has seen enough.
+ExitCode render_repeatedly(const RenderArguments& arguments, const Words& words) {
+    Displays displays;
+    for (;;) {
+        RenderCommand command(arguments, words, displays);
+        const ExitCode code = command.run();
+        if (!command.wait_until_saved()) return code;
+        Interruption::withdraw();
+    }
+}
 
 }  // namespace
 
 ExitCode render_command(const Words& words) {
     const auto arguments = parse_render(words);
-    return arguments ? RenderCommand(*arguments, words).run() : ExitCode::success;
+    if (!arguments) return ExitCode::success;
+    if (arguments->watch) return render_repeatedly(*arguments, words);
+    Displays displays;
+    return RenderCommand(*arguments, words, displays).run();
 }
 
 }  // namespace lapidary
