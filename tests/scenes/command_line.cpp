@@ -158,7 +158,7 @@ TEST_CASE("a link to a picture stays a link") {
     CHECK(fs::is_regular_file(desk.file("store/real.bmp")));
 }
 
-TEST_CASE("--set changes what the scene says") {
+TEST_CASE("the option --set changes what the scene says") {
     const Desk desk;
     REQUIRE(desk.lapidary("ball.scene -b -o plain").exit_code == 0);
     REQUIRE(desk.lapidary("ball.scene -b -o moved --set camera.location=0.5,0,-3 --set background=1/2,0,0").exit_code == 0);
@@ -173,7 +173,7 @@ TEST_CASE("--set changes what the scene says") {
     CHECK(read_bmp_pixels(desk.file("moved.bmp")) != read_bmp_pixels(desk.file("plain.bmp")));
 }
 
-TEST_CASE("--set reaches nested and named blocks") {
+TEST_CASE("the option --set reaches nested and named blocks") {
     const Desk desk;
     desk.folder.write("named.scene", "objects { union { sphere pearl { radius(1); } } } lights { ambient { } }");
     const RunResult result = desk.lapidary("-d named.scene --set pearl.radius=0.25 --set camera.screen.size=3,2");
@@ -238,7 +238,7 @@ TEST_CASE("a second signal ends the program at once, with nothing half written")
     for (const auto& entry : fs::directory_iterator(desk.folder.path())) CHECK(entry.path().extension() != ".part");
 }
 
-TEST_CASE("-d shows the scene and writes nothing") {
+TEST_CASE("the option -d shows the scene and writes nothing") {
     const Desk desk;
     const RunResult result = desk.lapidary("-d ball.scene");
     CHECK(result.exit_code == 0);
@@ -263,7 +263,7 @@ TEST_CASE("the log of a scene is a scene that gives the same picture") {
     CHECK(read_bmp_pixels(desk.file("again.bmp")) == read_bmp_pixels(desk.file("first.bmp")));
 }
 
-TEST_CASE("-s keeps warnings from the screen but not from the log") {
+TEST_CASE("the option -s keeps warnings from the screen but not from the log") {
     const Desk desk;
     desk.folder.write("warned.scene", std::string(ball) + "camera { location(0, 0, -4); }");
     CHECK(contains(desk.lapidary("warned.scene").output, "warning: "));

@@ -170,7 +170,7 @@ TEST_CASE("what is on the screen is the picture") {
     CHECK(display.colour_at(320 - 95, 240 - 70) == std::array{0, 0, 255});
 }
 
-TEST_CASE("--watch shows the scene anew in the same window when it is saved") {
+TEST_CASE("the option --watch shows the scene anew in the same window when it is saved") {
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "--watch");
@@ -235,7 +235,7 @@ TEST_CASE("without a display there is one line of warning, and the picture") {
     CHECK(lapidary(":987", "-w -o quiet").output.empty());
 }
 
-TEST_CASE("--preview draws the picture in half blocks of true colour") {
+TEST_CASE("the option --preview draws the picture in half blocks of true colour") {
     const TemporaryFolder folder;
     folder.write("ball.scene", ball);
     const RunResult result = run(fmt::format("cd {0} && HOME={0} WAYLAND_DISPLAY= DISPLAY= {1} --preview ball.scene",
