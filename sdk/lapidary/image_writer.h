@@ -8,8 +8,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,6 +68,42 @@ private:
     std::shared_future<const ImageLibrary*> library_;
 };
 
+// The sRGB curve to 8 bits, ten times as fast as by its formula and to the same step: a table brings a value close, and
+// from there the exact thresholds between the steps decide.
+class SrgbBytes {
+public:
+    SrgbBytes() {
+        for (int step = 1; step <= 255; ++step) thresholds_[static_cast<std::size_t>(step)] = threshold(step);
+        for (int i = 0; i < cells; ++i)
+            start_[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(encode(static_cast<double>(i) / cells));
+    }
+
+    // Of a value from 0 to 1.
+    std::uint8_t operator()(float value) const {
+        int step = start_[static_cast<std::size_t>(std::min(static_cast<int>(value * cells), cells - 1))];
+        while (step < 255 && value >= thresholds_[static_cast<std::size_t>(step) + 1]) ++step;
+        return static_cast<std::uint8_t>(step);
+    }
+
+private:
+    static constexpr int cells = 4096;  // a power of two, so that the cell of a value is exact
+
+    static long encode(double value) { return std::lround(srgb_encode(value) * 255); }
+
+    // The smallest float that is encoded as `step` or more, by bisection down to neighbouring floats.
+    static float threshold(int step) {
+        float below = 0, above = 1;
+        while (std::nextafter(below, above) < above) {
+            const float middle = below + (above - below) / 2;
+            (encode(middle) < step ? below : above) = middle;
+        }
+        return above;
+    }
+
+    std::array<float, 256> thresholds_{};
+    std::array<std::uint8_t, cells> start_{};
+};
+
 // Writers of 8 or 16 bits a sample: three channels, each clipped to 0…1, encoded and rounded to the nearest step.
 class IntegerWriter : public ImageWriter {
 protected:
@@ -84,17 +123,27 @@ protected:
         samples.reserve(3 * static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()));
         for (int y = region.y0; y < region.y1; ++y)
             for (int x = region.x0; x < region.x1; ++x)
-                for (float value : frame.pixel(Layer::colour, x, y)) samples.push_back(quantise<Sample>(value));
+                for (const float value : frame.pixel(Layer::colour, x, y)) samples.push_back(quantise<Sample>(value));
         picture.samples = std::move(samples);
     }
 
 private:
     template <class Sample>
-    Sample quantise(double value) const {
+    Sample quantise(float value) const {
         if (!(value > 0)) return 0;  // not a number, too
-        const double clipped = std::min(value, 1.0);
-        const double encoded = encoding_ == Encoding::srgb ? srgb_encode(clipped) : clipped;
-        return static_cast<Sample>(std::lround(encoded * std::numeric_limits<Sample>::max()));
+        const float clipped = std::min(value, 1.0f);
+        if (encoding_ == Encoding::linear) return round_to_step<Sample>(clipped);
+        if constexpr (sizeof(Sample) == 1) {
+            static const SrgbBytes srgb_bytes;
+            return srgb_bytes(clipped);
+        } else {
+            return round_to_step<Sample>(srgb_encode(clipped));
+        }
+    }
+
+    template <class Sample>
+    static Sample round_to_step(double value) {
+        return static_cast<Sample>(std::lround(value * std::numeric_limits<Sample>::max()));
     }
 
     Encoding encoding_ = Encoding::srgb;

@@ -11,6 +11,7 @@
 #include "kernel/interfaces/output.h"
 #include "kernel/registry/registry.h"
 #include "lapidary/image_library.h"
+#include "lapidary/image_writer.h"
 #include "support/catch.h"
 #include "support/temporary_folder.h"
 
@@ -129,6 +130,21 @@ TEST_CASE("a BMP file holds each colour rounded to the nearest step of the sRGB 
             for (int c = 0; c < 3; ++c)  // rows stand from the bottom, colours from blue
                 wrong += bytes.at(start + static_cast<std::size_t>(16 - y) * row + static_cast<std::size_t>(3 * x + 2 - c)) !=
                          expected_step(frame.pixel(Layer::colour, x, y)[static_cast<std::size_t>(c)], 255);
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("every step of the sRGB curve begins where the formula says") {
+    const SrgbBytes bytes;
+    int wrong = 0;
+    const auto check = [&](float value) { wrong += bytes(value) != expected_step(value, 255); };
+    for (int i = 0; i <= 1'000'000; ++i) check(static_cast<float>(i) / 1'000'000);
+    for (int step = 1; step <= 255; ++step) {
+        // The neighbourhood of each threshold, float by float.
+        const double encoded = (step - 0.5) / 255;
+        float value = static_cast<float>(srgb_decode(encoded));
+        for (int i = 0; i < 20; ++i) value = std::nextafter(value, 0.0f);
+        for (int i = 0; i < 40; ++i) check(value = std::nextafter(value, 1.0f));
+    }
     CHECK(wrong == 0);
 }
 
