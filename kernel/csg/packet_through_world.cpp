@@ -72,30 +72,8 @@ bool PacketThroughWorld::meets(const std::array<float, 3>& low, const std::array
 template <class Visit>
 void PacketThroughWorld::for_each_solid(Visit visit) {
     for (std::int32_t solid : world_.unbounded) visit(solid);
-    const auto& nodes = world_.hierarchy.nodes();
-    if (nodes.empty()) return;
-    struct Entry {
-        std::int32_t child;
-        double near;
-    };
-    std::array<Entry, 128> stack;
-    int size = 0;
-    stack[size++] = {0, 0};
-    while (size > 0) {
-        const Entry entry = stack[--size];
-        if (entry.near > furthest_) continue;
-        if (entry.child < 0) {
-            visit(~entry.child);
-            continue;
-        }
-        const Hierarchy::Node& node = nodes[entry.child];
-        std::array<double, 2> near{};
-        std::array<bool, 2> met{};
-        for (int i = 0; i < 2; ++i) met[i] = node.child[i] != Hierarchy::no_child && meets(node.low[i], node.high[i], near[i]);
-        const int first = near[1] < near[0] ? 1 : 0;
-        if (met[1 - first]) stack[size++] = {node.child[1 - first], near[1 - first]};
-        if (met[first]) stack[size++] = {node.child[first], near[first]};
-    }
+    world_.hierarchy.walk([this](const auto& low, const auto& high, double& near) { return meets(low, high, near); },
+                          [this] { return furthest_; }, visit);
 }
 
 void PacketThroughWorld::first_boundaries(std::span<const Ray> rays, std::span<Boundary> boundaries) {

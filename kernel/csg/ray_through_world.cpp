@@ -73,7 +73,7 @@ Boundary RayThroughWorld::next(double from, const Label& here) {
         return first.t;
     };
     for (std::int32_t solid : world_.unbounded) visit(solid);
-    world_.hierarchy.for_each_along(origin_, ray_.direction, first.t, [&](std::int32_t solid, double) { return visit(solid); });
+    world_.hierarchy.for_each_along(origin_, ray_.direction, first.t, visit);
 
     for (const Sheet& sheet : world_.sheets) meet_sheet(sheet, from, first);
     if (first.t == infinity) return first;
@@ -124,7 +124,7 @@ bool RayThroughWorld::is_blocked(double distance) {
     };
     for (std::int32_t solid : world_.unbounded)
         if (visit(solid) < 0) return true;
-    world_.hierarchy.for_each_along(origin_, ray_.direction, distance, [&](std::int32_t solid, double) { return visit(solid); });
+    world_.hierarchy.for_each_along(origin_, ray_.direction, distance, visit);
     if (blocked) return true;
     return std::any_of(world_.sheets.begin(), world_.sheets.end(),
                        [&](const Sheet& sheet) { return is_blocked_by(sheet, distance); });

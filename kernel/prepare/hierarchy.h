@@ -33,8 +33,13 @@ public:
     const Point& anchor() const { return anchor_; }
     bool is_empty() const { return nodes_.empty(); }
 
-    // Calls visit(item, t_near) for the items whose boxes the line from `origin` (relative to the world) meets between 0
-    // and limit, near ones first; visit returns the new limit.
+    // Calls visit(item) for the items whose boxes `meets(low, high, near)` says are met, near ones first, as long as they are
+    // not beyond limit().
+    template <class Meets, class Limit, class Visit>
+    void walk(Meets meets, Limit limit, Visit visit) const;
+
+    // Calls visit(item) for the items whose boxes the line from `origin` meets between 0 and limit, near ones first; visit
+    // returns the new limit.
     template <class Visit>
     void for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const;
 
@@ -83,10 +88,9 @@ private:
     }
 };
 
-template <class Visit>
-void Hierarchy::for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const {
+template <class Meets, class Limit, class Visit>
+void Hierarchy::walk(Meets meets, Limit limit, Visit visit) const {
     if (nodes_.empty()) return;
-    const SlabLine line(to_point(origin - anchor_), direction);
     struct Entry {
         std::int32_t child;
         double near;
@@ -96,20 +100,26 @@ void Hierarchy::for_each_along(const Point& origin, const Vector& direction, dou
     stack[size++] = {0, 0};
     while (size > 0) {
         const Entry entry = stack[--size];
-        if (entry.near > limit) continue;
+        if (entry.near > limit()) continue;
         if (entry.child < 0) {
-            limit = visit(~entry.child, entry.near);
+            visit(~entry.child);
             continue;
         }
         const Node& node = nodes_[entry.child];
         std::array<double, 2> near{};
         std::array<bool, 2> met{};
-        for (int i = 0; i < 2; ++i)
-            met[i] = node.child[i] != no_child && line.meets(node.low[i], node.high[i], 0, limit, near[i]);
+        for (int i = 0; i < 2; ++i) met[i] = node.child[i] != no_child && meets(node.low[i], node.high[i], near[i]);
         const int first = near[1] < near[0] ? 1 : 0;
         if (met[1 - first]) stack[size++] = {node.child[1 - first], near[1 - first]};
         if (met[first]) stack[size++] = {node.child[first], near[first]};
     }
+}
+
+template <class Visit>
+void Hierarchy::for_each_along(const Point& origin, const Vector& direction, double limit, Visit visit) const {
+    const SlabLine line(to_point(origin - anchor_), direction);
+    walk([&](const auto& low, const auto& high, double& near) { return line.meets(low, high, 0, limit, near); },
+         [&] { return limit; }, [&](std::int32_t item) { limit = visit(item); });
 }
 
 template <class Visit>

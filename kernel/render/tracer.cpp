@@ -50,6 +50,13 @@ void Tracer::Implementation::bend_normal(const Ray& ray, const Normal& relief, E
     if (length_squared(bent) > 0) e.shading = Normal(bent);
 }
 
+// The material that a boundary shows: its leaf's own, else the innards, those of the solid side.
+std::int32_t Tracer::Implementation::shown_at(const Boundary& boundary) const {
+    const std::int32_t own = world.leaves[boundary.leaf].appearance;
+    if (own >= 0) return own;
+    return !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
+}
+
 // What the ray meets at a boundary of the World: the matter of the face by section 6.3, the media on its two sides.
 // Nothing where the boundary shows no face (a tie that rounding undid).
 std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, const Boundary& boundary, double travelled,
@@ -72,8 +79,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
     // The face shows its own material, else the innards; matter is sampled on its solid side.
     const MatterSite site{e.point, pixel_footprint * e.travelled};
     const Vector beyond = -to_vector(e.geometric);
-    std::int32_t shown = leaf.appearance;
-    if (shown < 0) shown = !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
+    std::int32_t shown = shown_at(boundary);
     if (shown < 0) return std::nullopt;
     // A sheet has no inside: it is sampled behind its normal, whichever side is looked at.
     bool solid_beyond = dot(face.normal, ray.direction) < 0;
@@ -137,8 +143,38 @@ Ray Tracer::Implementation::depart(const Ray& from, const Encounter& e, const Ve
     return ray;
 }
 
-// What of a light's radiance arrives over a distance: in an opaque World all or nothing; else the product of the
-// transmittances of all media and of (1 - opacity) of all faces on the straight way.
+// What a medium lets through of a straight ray between two of its places. Of textured matter, piece by piece: each may be
+// opaque, and each boundary between has its (1 - opacity).
+Colour Tracer::Implementation::medium_lets_through(const MaterialInstance& medium, const Ray& ray, double from, double to) const {
+    if (!medium.may_be_transparent) return Colour::black();
+    const MaterialLine line = material_line(medium, ray.origin, ray.direction);
+    if (medium.is_uniform || !medium.material->has_boundaries()) return transmittance(medium, line, from, to);
+    Colour passed = Colour::white();
+    for (double piece = from; piece < to && !is_black(passed);) {
+        const double end = std::min(next_crossing(*medium.material, line, piece, to).t, to);
+        constexpr double far_enough = 1e6;  // a place inside of a piece without end
+        const Matter matter = medium.material->evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + far_enough)), 0});
+        if (!matter.is_transparent()) return Colour::black();
+        if (piece > from) passed = (1 - matter.opacity) * passed;
+        passed = passed * transmittance(medium, line, piece, end);
+        piece = end;
+    }
+    return passed;
+}
+
+// The part of a straight ray that a face lets through: nothing where it is opaque.
+double Tracer::Implementation::face_lets_through(const Boundary& boundary, const Ray& ray) const {
+    if (boundary.is_sheet()) return 0;
+    const std::int32_t shown = shown_at(boundary);
+    if (shown < 0) return 1;
+    const Vector toward = (boundary.after.is_empty() ? -1.0 : 1.0) * ray.direction;
+    const MatterSite site{{ray.origin.anchor, ray.origin.offset + boundary.t * ray.direction}, 0};
+    const Matter matter = matter_beside(world.materials[shown], site, toward);
+    return matter.is_transparent() ? 1 - matter.opacity : 0;
+}
+
+// What of a light's radiance arrives over a distance: in an opaque World all or nothing; else the product of what all media and
+// all faces on the straight way let through.
 Colour Tracer::Implementation::light_through(const Ray& shadow, double distance) {
     ++statistics.shadow_rays;
     RayThroughWorld& through = shadow_through_world;
@@ -147,42 +183,13 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
 
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
-    for (double from = 0; from < distance && !is_black(passed);) {
+    for (double from = 0; !is_black(passed);) {
         const Boundary boundary = through.next(from, label);
-        const double to = std::min(boundary.t, distance);
-        if (!label.is_empty()) {
-            const MaterialInstance& medium = world.materials[label.medium];
-            if (!medium.may_be_transparent) return Colour::black();
-            const MaterialLine line = material_line(medium, shadow.origin, shadow.direction);
-            if (!medium.is_uniform && medium.material->has_boundaries()) {
-                // Piece by piece: each may be opaque, and each boundary has its (1 - opacity).
-                double piece = from;
-                while (piece < to && !is_black(passed)) {
-                    const Crossing crossing = next_crossing(*medium.material, line, piece, to);
-                    const double end = std::min(crossing.t, to);
-                    const Matter matter = medium.material->evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + 1e6)), 0});
-                    if (!matter.is_transparent()) return Colour::black();
-                    if (piece > from) passed = (1 - matter.opacity) * passed;
-                    passed = passed * transmittance(medium, line, piece, end);
-                    piece = end;
-                }
-            } else {
-                passed = passed * transmittance(medium, line, from, to);
-            }
-        }
+        if (!label.is_empty())
+            passed = passed * medium_lets_through(world.materials[label.medium], shadow, from, std::min(boundary.t, distance));
         if (boundary.t >= distance) break;
-        if (boundary.is_sheet()) return Colour::black();
-        if (boundary.leaf >= 0 && !(boundary.before == boundary.after)) {
-            const Leaf& leaf = world.leaves[boundary.leaf];
-            std::int32_t shown = leaf.appearance;
-            if (shown < 0) shown = !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
-            const MaterialInstance& instance = world.materials[shown];
-            const Vector toward = (boundary.after.is_empty() ? -1.0 : 1.0) * shadow.direction;
-            const MatterSite site{{shadow.origin.anchor, shadow.origin.offset + boundary.t * shadow.direction}, 0};
-            const Matter matter = matter_beside(instance, site, toward);
-            if (!matter.is_transparent()) return Colour::black();
-            passed = (1 - matter.opacity) * passed;
-        }
+        const bool has_face = boundary.leaf >= 0 && (boundary.is_sheet() || !(boundary.before == boundary.after));
+        if (has_face) passed = face_lets_through(boundary, shadow) * passed;
         label = boundary.after;
         from = boundary.t;
     }

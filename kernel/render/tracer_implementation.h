@@ -98,6 +98,9 @@ struct Tracer::Implementation {
     std::optional<AimedLight> aim(const Light& light, const Ray& ray, const Encounter& encounter, const Vector& mirrored,
                                   std::uint32_t& samples);
     Vector mirrored_direction(const Ray& ray, const Encounter& encounter) const;
+    std::int32_t shown_at(const Boundary& boundary) const;
+    Colour medium_lets_through(const MaterialInstance& medium, const Ray& ray, double from, double to) const;
+    double face_lets_through(const Boundary& boundary, const Ray& ray) const;
     Colour light_through(const Ray& shadow, double distance);
     Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
 };
