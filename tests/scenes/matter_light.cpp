@@ -181,3 +181,37 @@ TEST_CASE("Light within glass is absorbed from where it starts, and what lies be
                                  "point { location(0,3.5,0); intensity(12.25); }"));
     CHECK(largest_difference(shadow_at(scene, 0), power(rose_colour, 1.5)) <= 1e-13);
 }
+
+TEST_CASE("A face returns its shares of lit, mirrored and refracted light") {
+    // Glass without end: what enters is absorbed. Looked at along the light, so that S = 1 and D = 0.
+    TracedScene scene(
+        "background(1,1,1); lights { ambient { intensity(0.5); } direct { direction(0,-1,0); intensity(2); } } objects { "
+        "halfspace { "
+        "material { solid { refraction(1.5); colour(0.5,0.25,0); opacity(0.3); reflection(0.2); shininess(40); } } } }");
+    const Colour seen = scene.colour({0, 3, 0}, {0, -1, 0});
+    const auto expected = [](double m) {
+        const double highlight = 2, local = 0.5 * m + highlight, mirrored = 1, fresnel = 0.04;
+        const double surface = 0.3 * local + 0.7 * (highlight + fresnel * mirrored);
+        return 0.8 * surface + 0.2 * mirrored;
+    };
+    CHECK(largest_difference(seen, {expected(0.5), expected(0.25), expected(0)}) <= 1e-15);
+
+    TracedScene metal(
+        "background(1,1,1); lights { ambient { intensity(0.5); } } objects { halfspace { material { solid { colour(0.5,0.25,0); "
+        "reflection(0.2); } } } }");
+    CHECK(largest_difference(metal.colour({0, 3, 0}, {0, -1, 0}), {0.4, 0.3, 0.2}) <= 1e-15);
+}
+
+TEST_CASE("Paths that are too deep or count too little return the background") {
+    const std::string mirrors =
+        "objects { halfspace { material { solid { reflection(0.5); colour(0,0,0); } } } "
+        "halfspace { transform { rotx(180deg); translate(0,2,0); } material { solid { reflection(0.5); colour(0,0,0); } } } }"
+        "background(1,1,1); lights { ambient {} } ";
+    const auto seen = [&](const std::string& settings) {
+        return TracedScene(mirrors + settings).colour({0, 1, 0}, {0, -1, 0}).g;
+    };
+    CHECK(seen("render { depth(0); }") == 0.5);
+    CHECK(seen("render { depth(3); }") == 0.0625);
+    CHECK(seen("render { depth(50); cutoff(0.1); }") == 0.0625);  // 1/8 still counts enough
+    CHECK(seen("render { depth(50); cutoff(0); }") == std::pow(0.5, 51));
+}
