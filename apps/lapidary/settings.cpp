@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <ranges>
 #include <string_view>
 
 #include "loaders/scene/load.h"
@@ -69,8 +68,8 @@ Block* as_block(Item& item) {
 
 // The last block of this keyword, as the last one counts.
 Block* find_by_keyword(Items& items, std::string_view keyword) {
-    for (Item& item : items | std::views::reverse)
-        if (Block* block = as_block(item); block && block->keyword == keyword) return block;
+    for (auto item = items.rbegin(); item != items.rend(); ++item)
+        if (Block* block = as_block(*item); block && block->keyword == keyword) return block;
     return nullptr;
 }
 
