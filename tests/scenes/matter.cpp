@@ -137,29 +137,31 @@ TEST_CASE("T65 A ball deviates a ray and brings it to its axis") {
 }
 
 TEST_CASE("T66 Nested balls deviate as n r sin = const demands, total reflection included") {
-    const auto [outer, inner, b, deviation] =
-        GENERATE(table<double, double, double, double>({{1.5, 1.333, 0.3, 5.495837404045726},
-                                                        {1.5, 1, 0.3, -14.74215015347117},
-                                                        {1.333, 1.5, 0.3, 15.24828359870799},
-                                                        {1.5, 1.2, 0.45, -4.868798836408411},
-                                                        {1.5, 1.333, 0.7, -8.861210130330925}}));
-    CAPTURE(outer, inner, b);
-    const bool is_total = b == 0.7;
+    struct Row {
+        double outer, inner, impact, deviation;
+    };
+    const Row row = GENERATE(values<Row>({{1.5, 1.333, 0.3, 5.495837404045726},
+                                          {1.5, 1, 0.3, -14.74215015347117},
+                                          {1.333, 1.5, 0.3, 15.24828359870799},
+                                          {1.5, 1.2, 0.45, -4.868798836408411},
+                                          {1.5, 1.333, 0.7, -8.861210130330925}}));
+    CAPTURE(row.outer, row.inner, row.impact);
+    const bool is_total = row.impact == 0.7;
     const auto deviation_in = [&](const std::string& matter) {
         TracedScene scene(objects(matter + wall));
-        const TracedRay ray = scene.trace({-3, b, 0}, {1, 0, 0});
+        const TracedRay ray = scene.trace({-3, row.impact, 0}, {1, 0, 0});
         const auto path = ray.main_path();
         REQUIRE(path.size() == (is_total ? 4 : 5));
-        CHECK(path[1].index_before == outer);
-        CHECK(path[1].index_behind == inner);
+        CHECK(path[1].index_before == row.outer);
+        CHECK(path[1].index_behind == row.inner);
         if (is_total) CHECK_FALSE(ray.has_branch(7));
         return -angle_of(path.back().direction) / degree;
     };
-    CHECK(deviation_in(ball(1, outer) + ball(0.5, inner, "priority(1);")) == Approx(deviation).epsilon(1e-13));
-    CHECK(deviation_in(ball(0.5, inner) + ball(1, outer)) == Approx(deviation).epsilon(1e-13));
-    const std::string hollow = "subtraction { " + ball(1, outer) + "} with { sphere { radius(0.5); } } ";
-    CHECK(deviation_in(hollow + ball(0.5, inner)) == Approx(deviation).epsilon(1e-13));
-    if (inner == 1) CHECK(deviation_in(hollow) == Approx(deviation).epsilon(1e-13));
+    CHECK(deviation_in(ball(1, row.outer) + ball(0.5, row.inner, "priority(1);")) == Approx(row.deviation).epsilon(1e-13));
+    CHECK(deviation_in(ball(0.5, row.inner) + ball(1, row.outer)) == Approx(row.deviation).epsilon(1e-13));
+    const std::string hollow = "subtraction { " + ball(1, row.outer) + "} with { sphere { radius(0.5); } } ";
+    CHECK(deviation_in(hollow + ball(0.5, row.inner)) == Approx(row.deviation).epsilon(1e-13));
+    if (row.inner == 1) CHECK(deviation_in(hollow) == Approx(row.deviation).epsilon(1e-13));
 }
 
 TEST_CASE("T62 Faces between equal indices neither bend, mirror nor cost a ray") {
@@ -281,7 +283,6 @@ TEST_CASE("A coloured slab mirrors and lets through what the sum over all paths 
     const std::string matter = "cube { size(99,0.5,99); " +
                                fmt::format("material {{ solid {{ refraction({}); colour(0.7,0.4,1); depth(2); }} }}", n) + " } ";
     TracedScene lit_from_both(objects(matter, "render { depth(60); cutoff(0); }"));
-    // Black above: what is seen has come through. Below is a lamp: a face that shines by ambient light.
     const double r = std::pow((n - 1) / (n + 1), 2);
     const Colour seen = lit_from_both.colour({0, 3, 0}, {0, -1, 0});
     const auto both = [&](double colour) {
@@ -290,6 +291,7 @@ TEST_CASE("A coloured slab mirrors and lets through what the sum over all paths 
     };
     CHECK(largest_difference(seen, {both(0.7), both(0.4), 1}) <= 4e-15);
 
+    // Black above, and below a face that shines by ambient light: what is seen has come through.
     TracedScene lit_from_behind("lights { ambient { intensity(1); } } render { depth(60); cutoff(0); } objects { " + matter +
                                 "halfspace { transform { translate(0,-2,0); } material { solid { colour(1,1,1); } } } }");
     const auto through = [&](double colour) {
