@@ -352,7 +352,7 @@ void Passes::trace_samples(int x, int y, Worker& worker) {
     const bool single = plan_.samples == 1;
     const bool layers = wants_layers_ && pixel.taken == 0 && is_in_region(x, y);
     if (layers || (single && pixel.taken < pixel.goal)) {
-        const SampleKey key = sample_key(x, y, 0);
+        const SampleKey key = sample_key(x, y, 0, options_.sequence);
         const DiscPoint lens = single ? camera_.lens_point(key) : DiscPoint{};
         queue(camera_.ray(x + 0.5, y + 0.5, lens), key, {index, {x, y}, single, layers, false});
         if (single) return;
@@ -360,7 +360,7 @@ void Passes::trace_samples(int x, int y, Worker& worker) {
 
     for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
         if (worker.batch->size == 0 && is_stopped()) return;
-        const SampleKey key = sample_key(x, y, sample);
+        const SampleKey key = sample_key(x, y, sample, options_.sequence);
         const PixelFilter::Placement place = filter_.place(sample_pair(key, dimension_pair::pixel));
         queue(camera_.ray(x + 0.5 + place.x, y + 0.5 + place.y, camera_.lens_point(key)), key,
               {index, {x, y}, true, false, place.negative});
@@ -399,7 +399,7 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
         for (int x = tile.x0; x < tile.x1; x += block) {
             const PixelRegion painted = intersection({x, y, x + block, y + block}, tile);
             Ray ray = camera_.ray((painted.x0 + painted.x1) / 2.0, (painted.y0 + painted.y1) / 2.0);
-            ray.key = sample_key(x, y, 0);
+            ray.key = sample_key(x, y, 0, options_.sequence);
             RaySample sample;
             worker.integrand->trace({&ray, 1}, {&sample, 1});
             if (!is_finite(sample.colour)) continue;

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <optional>
 
@@ -24,6 +25,7 @@ struct RenderOptions {
     std::optional<int> samples;                         // --samples: exactly this many a pixel
     std::optional<double> error;                        // --error: overrides the scene's
     std::optional<std::chrono::duration<double>> time;  // --time: the best picture in that time
+    std::uint32_t sequence = 0;                         // another one renders the picture with independent samples
     const std::atomic<bool>* cancel = nullptr;          // set from anywhere; noticed within 50 ms
     bool preview = false;  // begin with a coarse picture of the whole region, for somebody who looks on
     // Called whenever a tile has changed, one at a time, while only that tile may be read: its first samples, then each

@@ -85,8 +85,10 @@ constexpr double to_unit_interval(std::uint32_t x) { return (x + 0.5) * 0x1p-32;
 
 }  // namespace sampling
 
-inline SampleKey sample_key(int x, int y, std::uint32_t sample) {
-    return {sampling::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)), sample};
+// Pictures of different `sequence` have independent samples.
+inline SampleKey sample_key(int x, int y, std::uint32_t sample, std::uint32_t sequence = 0) {
+    const std::uint32_t pixel = sampling::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+    return {sequence == 0 ? pixel : sampling::hash(pixel, sequence), sample};
 }
 
 inline SamplePair sample_pair(SampleKey key, std::uint32_t pair) {
