@@ -22,10 +22,12 @@ Commands (the first word; without one, a scene is rendered):
   plugins            lists the plugins found, and those refused with the reason
   help [KEYWORD]     explains a keyword of the scene language
   compare A B        measures how far two pictures differ
+  converge SCENE     measures whether pictures keep the error asked for
 Each has its own --help.
 
 Exit status: 0 success, 1 failure, 2 wrong usage, 3 errors in the scene, 4 a file
-cannot be written, 5 pictures differ, 130 interrupted (what was done is written).
+cannot be written, 5 pictures differ by more than they may, 130 interrupted (what was
+done is written).
 )";
 
 // Reads exactly the integers that stand between the separators.
@@ -256,6 +258,36 @@ std::optional<CompareArguments> parse_compare(const Words& words) {
     if (!parser.parse(words)) return std::nullopt;
     arguments.limits_pixels = tolerance->count() + share->count() > 0;
     arguments.first = first, arguments.second = second, arguments.difference = difference;
+    return arguments;
+}
+
+std::optional<ConvergeArguments> parse_converge(const Words& words) {
+    Parser parser("lapidary converge", "Measures whether pictures keep the error asked for, and what that costs.");
+    ConvergeArguments arguments;
+    SceneTexts scene;
+    std::string name, resolution;
+    CLI::App& app = parser.app();
+    add_scene_options(app, scene, arguments.scene);
+    app.add_option("-o,--output", name, "Name of table and chart; .csv and .svg are added.")->type_name("NAME");
+    app.add_option("--errors", arguments.errors, "The errors to ask for, separated by commas.")
+        ->type_name("E,E...")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--resolution", resolution, "Pixels of the pictures; else 160 on their longer side.")->type_name("WxH");
+    app.add_option("--reference-samples", arguments.reference_samples, "Rays a pixel of what is compared with.")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(CLI::Range(2, 1 << 20));
+    app.add_option("-j,--threads", arguments.threads, "Threads; 0: as many as the machine has.")
+        ->type_name("N")
+        ->check(CLI::Range(0, 4096));
+    if (!parser.parse(words)) return std::nullopt;
+    take_scene_texts(scene, arguments.scene);
+    arguments.name = name;
+    arguments.sized = !resolution.empty();
+    if (arguments.sized) arguments.scene.settings.push_back(resolution_setting(resolution));
     return arguments;
 }
 

@@ -71,11 +71,21 @@ struct CompareArguments {
     std::optional<double> rmse;
 };
 
+struct ConvergeArguments {
+    SceneOptions scene;
+    std::filesystem::path name;  // of table and chart, without extension; empty: after the scene
+    std::vector<double> errors{0.03, 0.02, 0.01, 0.005, 0.002, 0.001};
+    bool sized = false;  // by --resolution
+    int reference_samples = 4096;
+    std::optional<int> threads;
+};
+
 // Nothing: help or the version was asked for, and is written. All throw UsageError.
 std::optional<RenderArguments> parse_render(const Words& words);
 std::optional<CheckArguments> parse_check(const Words& words);
 std::optional<PluginsArguments> parse_plugins(const Words& words);
 std::optional<HelpArguments> parse_help(const Words& words);
 std::optional<CompareArguments> parse_compare(const Words& words);
+std::optional<ConvergeArguments> parse_converge(const Words& words);
 
 }  // namespace lapidary

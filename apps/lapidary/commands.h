@@ -18,5 +18,6 @@ ExitCode check_command(const Words& words);
 ExitCode plugins_command(const Words& words);
 ExitCode help_command(const Words& words);
 ExitCode compare_command(const Words& words);
+ExitCode converge_command(const Words& words);
 
 }  // namespace lapidary

@@ -11,7 +11,7 @@ enum class ExitCode : int {
     usage = 2,         // the command line cannot be understood
     scene = 3,         // the scene has errors
     output = 4,        // a picture or log cannot be written
-    difference = 5,    // `compare` found more than the tolerance allows
+    difference = 5,    // `compare` found more than the tolerance allows, or `converge` more than was asked for
     interrupted = 130  // by a signal, Escape or a closed window; what was done is written
 };
 

@@ -19,11 +19,8 @@ struct Command {
     ExitCode (*run)(const Words&);
 };
 
-constexpr Command commands[] = {{"render", render_command},
-                                {"check", check_command},
-                                {"plugins", plugins_command},
-                                {"help", help_command},
-                                {"compare", compare_command}};
+constexpr Command commands[] = {{"render", render_command}, {"check", check_command},     {"plugins", plugins_command},
+                                {"help", help_command},     {"compare", compare_command}, {"converge", converge_command}};
 
 // A first word that is no command's name belongs to `render`.
 ExitCode dispatch(Words words) {

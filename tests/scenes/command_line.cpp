@@ -3,6 +3,7 @@
 // The program as its user meets it: words in, files, text and an exit status out.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -343,6 +344,30 @@ TEST_CASE("compare measures, and its status tells whether the pictures differ") 
     CHECK(desk.lapidary("compare a.png b.png --rmse 0.001").exit_code == 5);
     CHECK(desk.lapidary("compare a.png c.png").exit_code == 5);
     CHECK(desk.lapidary("compare a.png nowhere.png").exit_code == 1);
+}
+
+TEST_CASE("converge measures the errors, and writes them as a table and as a chart") {
+    const Desk desk;
+    const RunResult result = desk.lapidary("converge ball.scene --errors 0.03,0.01 --reference-samples 256 -j 2");
+    INFO(result.output);
+    CHECK(result.exit_code == 0);
+    const std::string table = desk.text("ball.convergence.csv"), chart = desk.text("ball.convergence.svg");
+    CHECK(std::count(table.begin(), table.end(), '\n') == 3);
+    CHECK(
+        table.starts_with("requested_error,rmse,largest_error,within_twice,samples_per_pixel,seconds,processor_seconds\n0.03,"));
+    CHECK(contains(table, "\n0.01,"));
+    CHECK(contains(chart, "<svg "));
+    CHECK(contains(chart, "promised"));
+    CHECK(desk.files() == 3);
+
+    // What no number of samples can reach is told by the status; 16 of them are no reference for it, either.
+    const RunResult missed = desk.lapidary("converge ball.scene --errors 0.0001 --reference-samples 16 -o missed");
+    INFO(missed.output);
+    CHECK(missed.exit_code == 5);
+    CHECK(desk.has("missed.csv"));
+    CHECK(desk.has("missed.svg"));
+    CHECK(desk.lapidary("converge ball.scene --errors 0").exit_code == 2);
+    CHECK(desk.lapidary("converge nothing.scene").exit_code == 3);
 }
 
 }  // namespace
