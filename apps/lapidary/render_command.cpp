@@ -161,6 +161,7 @@ private:
 
         record_.stages.begin("prepare");
         record_.world = prepare_world(scene, messages_);
+        if (messages_.has_errors()) return ExitCode::scene;
         record_.stages.begin("render");
         record_.report = render_frame(*record_.world, scene, session, info.region, frame);
         if (was_saved()) return ExitCode::interrupted;  // nobody wants this picture any more

@@ -331,11 +331,17 @@ Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
             owner = label(operands(node)[0], t, side);
             break;
         case Operation::union_:
-        case Operation::symdiff:
             for (std::int32_t operand : operands(node)) {
                 const Label candidate = label(operand, t, side);
                 if (candidate.is_empty()) continue;
                 if (owner.is_empty() || candidate.priority > owner.priority) owner = candidate;
+            }
+            break;
+        case Operation::symdiff:
+            // ((a xor b) xor c) …: each operand that holds the cell takes it over from nothing, or makes nothing of it.
+            for (std::int32_t operand : operands(node)) {
+                const Label candidate = label(operand, t, side);
+                if (!candidate.is_empty()) owner = owner.is_empty() ? candidate : Label{};
             }
             break;
     }

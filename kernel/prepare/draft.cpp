@@ -8,14 +8,28 @@ namespace lapidary {
 
 namespace {
 
-// Whether (a op b) op c is a op b op c: true for all five where the nested one stands first, and it is an anonymous part
-// whose medium and priority are decided with the rest.
+// Whether (a op b) op c is a op b op c: true where the nested one stands first, and it is an anonymous part whose medium and
+// priority are decided with the rest. Further right, a subtraction is another set, and a symmetric difference, though the same
+// set, may be owned by another operand.
 bool may_join(const Draft& operand, Operation operation, bool stands_first) {
-    if (operand.operation != operation || operand.priority || operand.medium >= 0) return false;
-    return operation == Operation::subtraction ? stands_first : true;
+    if (operand.operation != operation) return false;
+    if (operation == Operation::merge) return true;  // the outer one decides medium and priority of all of it
+    if (operand.priority) return false;
+    return stands_first || (operation != Operation::subtraction && operation != Operation::symdiff);
 }
 
 }  // namespace
+
+Draft::~Draft() {
+    std::vector<DraftPtr> pending = std::move(operands);
+    while (!pending.empty()) {
+        const DraftPtr draft = std::move(pending.back());
+        pending.pop_back();
+        if (draft.use_count() > 1) continue;
+        std::move(draft->operands.begin(), draft->operands.end(), std::back_inserter(pending));
+        draft->operands.clear();
+    }
+}
 
 DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optional<double> priority, std::int32_t medium) {
     if (operands.empty()) return nullptr;
@@ -39,31 +53,39 @@ DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optio
     }
     if (operands.size() == 1 && !priority && medium < 0) return operands[0];
 
-    auto draft = std::make_shared<Draft>();
+    // The first operand, where it may be joined and belongs to nobody else, is continued: long chains are built in linear time.
+    const bool continues = operands[0].use_count() == 1 && may_join(*operands[0], operation, true);
+    const DraftPtr draft = continues ? std::move(operands[0]) : std::make_shared<Draft>();
     draft->operation = operation;
     draft->box = box;
     draft->priority = priority;
     draft->medium = medium;
-    draft->leaf_count = 0;
+    if (continues)
+        operands.erase(operands.begin());
+    else
+        draft->leaf_count = 0;
     for (DraftPtr& operand : operands) {
         draft->leaf_count += operand->leaf_count;
-        if (may_join(*operand, operation, draft->operands.empty()))
+        if (may_join(*operand, operation, draft->operands.empty())) {
+            draft->depth = std::max(draft->depth, operand->depth);
             draft->operands.insert(draft->operands.end(), operand->operands.begin(), operand->operands.end());
-        else
+        } else {
+            draft->depth = std::max(draft->depth, 1 + operand->depth);
             draft->operands.push_back(std::move(operand));
+        }
     }
     return draft;
 }
 
-void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids) {
+void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids, int levels) {
     const bool is_union = draft->operation == Operation::union_ && !draft->priority;
     if (is_union) {
-        for (const DraftPtr& operand : draft->operands) split_into_solids(operand, solids);
+        for (const DraftPtr& operand : draft->operands) split_into_solids(operand, solids, levels);
         return;
     }
-    const bool distributes = (draft->operation == Operation::subtraction || draft->operation == Operation::intersection) &&
-                             draft->operands[0]->operation == Operation::union_ && !draft->operands[0]->priority &&
-                             !draft->priority;
+    const bool distributes =
+        levels > 0 && (draft->operation == Operation::subtraction || draft->operation == Operation::intersection) &&
+        draft->operands[0]->operation == Operation::union_ && !draft->operands[0]->priority && !draft->priority;
     if (distributes) {
         std::vector<DraftPtr> parts;
         std::size_t leaves = 0;
@@ -76,7 +98,7 @@ void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids) {
             }
         }
         if (leaves <= 2 * draft->leaf_count) {
-            for (const DraftPtr& part : parts) split_into_solids(part, solids);
+            for (const DraftPtr& part : parts) split_into_solids(part, solids, levels - 1);
             return;
         }
     }

@@ -15,14 +15,21 @@ namespace lapidary {
 // distributed subtrahend and the clip of a sheet stand in several places.
 struct Draft {
     Operation operation = Operation::leaf;
-    std::vector<std::shared_ptr<const Draft>> operands;
+    std::vector<std::shared_ptr<Draft>> operands;
     Leaf leaf;
     Bounds box;
     std::optional<double> priority;
     std::int32_t medium = -1;  // of a merge with a material of its own
     std::size_t leaf_count = 1;
+    std::size_t depth = 1;  // of the tree, in nodes
+
+    Draft() = default;
+    Draft(const Draft&) = delete;
+    Draft& operator=(const Draft&) = delete;
+    // Trees may be very deep: released one node after the other, not one inside the other.
+    ~Draft();
 };
-using DraftPtr = std::shared_ptr<const Draft>;
+using DraftPtr = std::shared_ptr<Draft>;
 
 // A sheet and what clips it.
 struct SheetDraft {
@@ -32,7 +39,6 @@ struct SheetDraft {
     };
     Leaf leaf;
     std::vector<Condition> conditions;
-    std::int32_t order = 0;
 };
 
 // An operation on operands as the contract defines it, with what is empty or out of reach left out: an operand that is empty,
@@ -42,7 +48,7 @@ DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optio
 
 // Splits a solid into the list of solids whose union it is: unions fall apart, and an intersection with or a subtraction from
 // a union is distributed over it, each part keeping only the operands that its box meets. Gives up where the parts would have
-// more than twice the leaves.
-void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids);
+// more than twice the leaves, and after `levels` distributions inside one another.
+void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids, int levels = 16);
 
 }  // namespace lapidary

@@ -42,7 +42,8 @@ public:
             (light.light->is_ambient() ? world_.ambient_lights : world_.lights).push_back(light.light);
             world_.features.extended_lights |= light.light->has_extent();
         }
-        if (scene_.root) draft_top_level(*scene_.root, Surroundings{});
+        if (scene_.root)
+            if (const DraftPtr all = draft_tree(*scene_.root)) split_into_solids(all, solids_);
         emit_everything();
         for (const Solid& solid : world_.solids)
             if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
@@ -68,37 +69,62 @@ private:
         return here;
     }
 
-    // A union at the top is a list; what stands in it is split further.
-    void draft_top_level(const SceneNode& node, const Surroundings& around) {
-        if (node.operation == Operation::union_ && !node.priority) {
-            const Surroundings here = enter_node(node, around);
-            for (const SceneNodePtr& operand : node.operands) draft_top_level(*operand, here);
-            return;
-        }
-        std::vector<SheetDraft> sheets;
-        if (const DraftPtr draft = draft_node(node, around, sheets)) split_into_solids(draft, solids_);
-        for (SheetDraft& sheet : sheets) {
-            sheet.order = static_cast<std::int32_t>(solids_.size());
-            sheets_.push_back(std::move(sheet));
+    // A node whose operands are being drafted.
+    struct Visit {
+        const SceneNode* node = nullptr;
+        Surroundings here;
+        std::vector<DraftPtr> operands;                    // drafted so far; null where empty
+        std::vector<std::vector<SheetDraft>> of_operands;  // the sheets below each of them
+        std::vector<SheetDraft> sheets;                    // those that are left, clipped
+        std::int32_t leftmost_medium = 0;                  // of the leaf written first, whether it is out of reach or not
+    };
+
+    // The whole tree, depth first with a stack of its own: names can chain nodes a hundred thousand deep. Null where it is
+    // empty. Sheets are clipped by what they meet on the way up.
+    DraftPtr draft_tree(const SceneNode& root) {
+        std::vector<Visit> stack;
+        stack.push_back(visit(root, Surroundings{}));
+        for (;;) {
+            const SceneNode& node = *stack.back().node;
+            if (const std::size_t next = stack.back().operands.size(); next < node.operands.size()) {
+                Surroundings inner = stack.back().here;
+                const bool right_cuts = node.operation == Operation::subtraction || node.operation == Operation::intersection;
+                if (right_cuts && next > 0) inner.cuts = true, inner.appearance = no_material;
+                stack.push_back(visit(*node.operands[next], inner));
+                continue;
+            }
+            Visit done = std::move(stack.back());
+            stack.pop_back();
+            DraftPtr draft = finish(done);
+            if (stack.empty()) {
+                sheets_ = std::move(done.sheets);
+                return draft;
+            }
+            if (stack.back().operands.empty()) stack.back().leftmost_medium = done.leftmost_medium;
+            stack.back().operands.push_back(std::move(draft));
+            stack.back().of_operands.push_back(std::move(done.sheets));
         }
     }
 
-    // Null where the node is empty. Sheets below it are put into `sheets`, clipped by what they meet on the way up.
-    DraftPtr draft_node(const SceneNode& node, const Surroundings& around, std::vector<SheetDraft>& sheets) {
-        const Surroundings here = enter_node(node, around);
-        if (node.operation == Operation::leaf) return draft_leaf(node, here, sheets);
+    Visit visit(const SceneNode& node, const Surroundings& around) {
+        Visit visit;
+        visit.node = &node;
+        visit.here = enter_node(node, around);
+        return visit;
+    }
 
-        const bool right_cuts = node.operation == Operation::subtraction || node.operation == Operation::intersection;
-        std::vector<DraftPtr> operands;
-        std::vector<std::vector<SheetDraft>> operand_sheets(node.operands.size());
-        for (std::size_t i = 0; i < node.operands.size(); ++i) {
-            Surroundings inner = here;
-            if (right_cuts && i > 0) inner.cuts = true, inner.appearance = no_material;
-            operands.push_back(draft_node(*node.operands[i], inner, operand_sheets[i]));
+    DraftPtr finish(Visit& done) {
+        const SceneNode& node = *done.node;
+        if (node.operation == Operation::leaf) {
+            done.leftmost_medium = std::max(done.here.medium, 0);
+            return draft_leaf(node, done.here, done.sheets);
         }
-        for (std::size_t i = 0; i < operands.size(); ++i) clip_sheets(node.operation, i, operands, operand_sheets[i], sheets);
-        const std::int32_t medium = node.operation == Operation::merge && node.material ? here.medium : no_material;
-        return combine(node.operation, std::move(operands), node.priority, medium);
+        for (std::size_t i = 0; i < done.operands.size(); ++i)
+            clip_sheets(node.operation, i, done.operands, done.of_operands[i], done.sheets);
+        // A merge is of one medium: its own, else that of what stands leftmost in it.
+        std::int32_t medium = no_material;
+        if (node.operation == Operation::merge) medium = node.material ? done.here.medium : done.leftmost_medium;
+        return combine(node.operation, std::move(done.operands), node.priority, medium);
     }
 
     DraftPtr draft_leaf(const SceneNode& node, const Surroundings& here, std::vector<SheetDraft>& sheets) {
@@ -166,24 +192,42 @@ private:
     }
 
     void emit_everything() {
-        for (const DraftPtr& draft : solids_) world_.solids.push_back(emit_solid(*draft));
-        for (SheetDraft& draft : sheets_) {
-            Sheet sheet;
-            sheet.order = draft.order;
-            bool visible = true;
-            for (const SheetDraft::Condition& condition : draft.conditions) {
-                if (condition.clip) {
-                    sheet.conditions.push_back({static_cast<std::int32_t>(world_.clips.size()), condition.inside});
-                    world_.clips.push_back(emit_solid(*condition.clip));
-                } else if (condition.inside) {
-                    visible = false;  // clipped to the empty set
-                }
+        for (const DraftPtr& draft : solids_)
+            if (is_shallow(*draft)) world_.solids.push_back(emit_solid(*draft));
+        for (SheetDraft& draft : sheets_) emit_sheet(draft);
+    }
+
+    // Evaluation recurses over a tree. What is left of its depth after joining and splitting must fit any thread's stack.
+    bool is_shallow(const Draft& draft) {
+        constexpr std::size_t deepest = 2000;
+        if (draft.depth <= deepest) return true;
+        const Draft* leaf = &draft;
+        while (!leaf->operands.empty()) leaf = leaf->operands.front().get();
+        messages_.error(
+            leaf->leaf.place,
+            fmt::format("operations of alternating kind stand {} deep around this object; at most {} can be evaluated. Put "
+                        "what is united or subtracted in turn side by side in one block",
+                        draft.depth, deepest));
+        return false;
+    }
+
+    void emit_sheet(SheetDraft& draft) {
+        Sheet sheet;
+        for (const SheetDraft::Condition& condition : draft.conditions) {
+            if (condition.clip && is_shallow(*condition.clip)) {
+                sheet.conditions.push_back({static_cast<std::int32_t>(world_.clips.size()), condition.inside});
+                world_.clips.push_back(emit_solid(*condition.clip));
+            } else if (condition.inside) {
+                return;  // clipped to the empty set
             }
-            if (!visible) continue;
-            sheet.leaf = static_cast<std::int32_t>(world_.leaves.size());
-            world_.leaves.push_back(std::move(draft.leaf));
-            world_.sheets.push_back(std::move(sheet));
         }
+        const auto comes_before_sheet = [&](const Solid& solid) {
+            return world_.leaves[solid.first_leaf].number < draft.leaf.number;
+        };
+        sheet.order = static_cast<std::int32_t>(std::count_if(world_.solids.begin(), world_.solids.end(), comes_before_sheet));
+        sheet.leaf = static_cast<std::int32_t>(world_.leaves.size());
+        world_.leaves.push_back(std::move(draft.leaf));
+        world_.sheets.push_back(std::move(sheet));
     }
 
     Solid emit_solid(const Draft& draft) {
@@ -226,7 +270,7 @@ private:
             world_.children.insert(world_.children.end(), operands.begin(), operands.end());
             if (draft.operation == Operation::merge) {
                 node.owner = leftmost;
-                node.medium = draft.medium >= 0 ? draft.medium : world_.leaves[leftmost].medium;
+                node.medium = draft.medium;
             }
         }
         world_.nodes.push_back(node);

@@ -128,7 +128,7 @@ public:
     SceneNodePtr root;  // keeps objects and materials alive
 };
 
-// Never fails: what cannot be used (an empty operand, a sheet that subtracts) is left out with a warning.
+// Never fails: what cannot be used is left out, with a warning (a sheet that subtracts) or an error (a tree too deep).
 LAPIDARY_API std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages);
 
 }  // namespace lapidary
