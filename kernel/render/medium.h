@@ -17,7 +17,7 @@ struct MatterSite {
     double footprint = 0;  // about the width of a pixel there, in world units
 };
 
-// The matter of a material just off a surface, on the side that `toward` points to (a unit vector). A solid texture colours
+// The matter of a material just off a surface, on the side that `toward` points to (of any length). A solid texture colours
 // matter, not surfaces: sampling it inside keeps a checker from speckling on a face that lies on the checker's own boundary.
 // The step is a millionth of a pixel, and above the rounding of the point.
 LAPIDARY_API Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);

@@ -26,6 +26,10 @@ Normal relief_in_world(const MaterialInstance& instance, const Matter& matter) {
     return instance.placement.to_parent(Normal(matter.relief));
 }
 
+// Behind a face and on along the ray: where it meets an edge between regions of a texture, matter is that of the region which
+// it goes on in.
+Vector ahead(const Ray& ray, const Normal& toward_viewer) { return ray.direction - to_vector(toward_viewer); }
+
 // A face that neither bends, mirrors nor covers what is behind it.
 bool lets_pass(const Encounter& e) {
     return e.matter.is_transparent() && e.index_before == e.index_behind && e.matter.opacity == 0 && e.matter.reflection == 0;
@@ -78,7 +82,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
 
     // The face shows its own material, else the innards; matter is sampled on its solid side.
     const MatterSite site{e.point, pixel_footprint * e.travelled};
-    const Vector beyond = -to_vector(e.geometric);
+    const Vector beyond = ahead(ray, e.geometric);
     std::int32_t shown = shown_at(boundary);
     if (shown < 0) return std::nullopt;
     // A sheet has no inside: it is sampled behind its normal, whichever side is looked at.
@@ -125,7 +129,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
     e.travelled = travelled + crossing.t;
 
     const MatterSite site{e.point, pixel_footprint * e.travelled};
-    const Vector beyond = -to_vector(e.geometric);
+    const Vector beyond = ahead(ray, e.geometric);
     e.matter = matter_beside(medium, site, beyond);
     if (e.matter.is_transparent()) {
         const Matter before = matter_beside(medium, site, -beyond);
