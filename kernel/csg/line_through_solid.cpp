@@ -369,7 +369,7 @@ std::int32_t LineThroughSolid::leaf_at(std::int32_t index, double t) {
     const bool before = inside(index, t, Side::before), after = inside(index, t, Side::after);
     if (node.operation == Operation::leaf) return before != after ? node.first : -1;
 
-    // A change of the whole is the change of an operand; the table of numerics 2.5 asks the operands in order. Going in, an
+    // A change of the whole is the change of an operand: the first one, in order, that changes the way it must. Going in, an
     // operand of a union or an intersection goes in, too; a subtrahend does the opposite of the whole.
     const auto all = operands(node);
     for (std::size_t i = 0; i < all.size(); ++i) {

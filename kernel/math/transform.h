@@ -4,7 +4,7 @@
 // in the order written.
 //
 // Every factor knows its inverse in closed form, and chains are composed in two-part arithmetic and
-// rounded once, at the end (numerics: inverses by elimination lose ten digits where these lose none).
+// rounded once, at the end (an inverse by elimination loses ten digits where this loses none).
 #pragma once
 
 #include <array>

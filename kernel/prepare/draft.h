@@ -41,7 +41,7 @@ struct SheetDraft {
     std::vector<Condition> conditions;
 };
 
-// An operation on operands as the contract defines it, with what is empty or out of reach left out: an operand that is empty,
+// An operation on operands, with what is empty or out of reach left out: an operand that is empty,
 // an intersection whose boxes miss one another, a subtrahend whose box misses what it is taken from. Nested operations of the
 // same kind are joined where that changes nothing.
 DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optional<double> priority, std::int32_t medium);

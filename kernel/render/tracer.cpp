@@ -61,7 +61,7 @@ std::int32_t Tracer::Implementation::shown_at(const Boundary& boundary) const {
     return !boundary.after.is_empty() ? boundary.after.medium : boundary.before.medium;
 }
 
-// What the ray meets at a boundary of the World: the matter of the face by section 6.3, the media on its two sides.
+// What the ray meets at a boundary of the World: the matter of the face, and the media on its two sides.
 // Nothing where the boundary shows no face (a tie that rounding undid).
 std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, const Boundary& boundary, double travelled,
                                                                 RaySample* first) {
@@ -224,7 +224,7 @@ std::optional<AimedLight> Tracer::Implementation::aim(const Light& light, const 
     return std::nullopt;
 }
 
-// The sums of section 9 over the lights: ambient, D and S parts.
+// The sums over the lights: ambient, D and S parts.
 Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
     Lit lit;
     for (const auto& ambient : world.ambient_lights) lit.ambient += ambient->toward(e.point.rounded(), {}).radiance;

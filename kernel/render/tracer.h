@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What a ray returns: the shading of section 9 of the scene language over the events that kernel/prepare finds.
+// What a ray returns. With N the unit normal toward the viewer, V toward the viewer, L toward a light, R its mirror image about
+// N, E the light that arrives and m the matter's colour,
+//
+//     S = max(0, R . V)^shininess      D = max(0, N . L - S)      local = sum of m E (ambient) and of m E D + E S (the others)
+//
+// An opaque face returns (1 - k) local + k mirrored, k its reflection. A transparent one, with F the Fresnel reflectance and a
+// the opacity, returns (1 - k) (a local + (1 - a) (sum of E S + F mirrored + (1 - F) refracted)) + k mirrored.
 #pragma once
 
 #include <cstdint>

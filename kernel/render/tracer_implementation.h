@@ -47,7 +47,7 @@ struct Encounter {
 // A light as it falls on an encounter, before shadow.
 struct AimedLight {
     Illumination illumination;
-    double diffuse = 0, highlight = 0;  // D and S of section 9
+    double diffuse = 0, highlight = 0;  // D and S, as tracer.cpp has them
 };
 
 // What lights send to an encounter: the ambient light, and the sums of E D and of E S over the others.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The camera as the scene describes it, section 10 of the language. Rays come from kernel/render/camera_rays.h.
+// The camera as the scene describes it. Rays come from kernel/render/camera_rays.h.
 #pragma once
 
 #include <optional>
