@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace lapidary {
 
@@ -24,9 +25,23 @@ Colour absorption(const Material& material, const MaterialLine& line, double t) 
     return {channel(matter.colour.r), channel(matter.colour.g), channel(matter.colour.b)};
 }
 
-// Gauss-Legendre of five points on [t0, t1].
+// The places of Gauss-Legendre integration with five points on [-1, 1].
+constexpr std::array<double, 5> nodes{0, -0.5384693101056831, 0.5384693101056831, -0.9061798459386640, 0.9061798459386640};
+
+// The matter of a piece between two boundaries, if it is the same at all five places: then it is taken to be so all along,
+// which is the rule, and nothing has to be integrated.
+std::optional<Matter> common_matter(const Material& material, const MaterialLine& line, double t0, double t1) {
+    const double middle = 0.5 * (t0 + t1), half = 0.5 * (t1 - t0);
+    const Matter first = material.evaluate({line.at(middle), 0});
+    for (std::size_t i = 1; i < nodes.size(); ++i) {
+        const Matter other = material.evaluate({line.at(middle + half * nodes[i]), 0});
+        if (!(other.colour == first.colour) || other.depth != first.depth || other.is_transparent() != first.is_transparent())
+            return std::nullopt;
+    }
+    return first;
+}
+
 Colour integrate_once(const Material& material, const MaterialLine& line, double t0, double t1) {
-    constexpr std::array<double, 5> nodes{0, -0.5384693101056831, 0.5384693101056831, -0.9061798459386640, 0.9061798459386640};
     constexpr std::array<double, 5> weights{0.5688888888888889, 0.4786286704993665, 0.4786286704993665, 0.2369268850561891,
                                             0.2369268850561891};
     const double middle = 0.5 * (t0 + t1), half = 0.5 * (t1 - t0);
@@ -35,8 +50,7 @@ Colour integrate_once(const Material& material, const MaterialLine& line, double
     return half * sum;
 }
 
-// Halves the stretch until two halves agree with the whole: at once where the matter is constant, which is the rule between
-// two boundaries.
+// Halves the stretch until two halves agree with the whole.
 Colour integrate(const Material& material, const MaterialLine& line, double t0, double t1, const Colour& whole, int depth) {
     const double middle = 0.5 * (t0 + t1);
     const Colour left = integrate_once(material, line, t0, middle), right = integrate_once(material, line, middle, t1);
@@ -85,6 +99,8 @@ TwoPartPoint crossing_point(const MaterialInstance& instance, const TwoPartPoint
 Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {
     if (instance.is_uniform) return transmittance(instance.matter, t1 - t0);
     if (t1 == infinity) return transmittance(instance.material->evaluate({line.at(t0), 0}), infinity);
+    if (const auto matter = common_matter(*instance.material, line, t0, t1))
+        return matter->is_transparent() ? transmittance(*matter, t1 - t0) : Colour::white();
     const Colour whole = integrate_once(*instance.material, line, t0, t1);
     const Colour depth = integrate(*instance.material, line, t0, t1, whole, 20);
     return {std::exp(-depth.r), std::exp(-depth.g), std::exp(-depth.b)};

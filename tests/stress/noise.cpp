@@ -56,7 +56,7 @@ Dual published_noise(const double (&place)[3]) {
         r[i] = constant(Rational(place[i]) - Rational(floor));
         r[i].slope[i] = 1;
     }
-    const auto& [x, y, z] = r;
+    const auto &x = r[0], &y = r[1], &z = r[2];
     const auto corner = [&](int i, int j, int k) {
         const int hash = p(p(p(cell[0] + i) + cell[1] + j) + cell[2] + k);
         return published_gradient(hash, i ? x + -one : x, j ? y + -one : y, k ? z + -one : z);
