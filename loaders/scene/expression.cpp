@@ -64,6 +64,7 @@ const Function* find_function(std::string_view name) {
 
 std::vector<std::string> function_names() {
     std::vector<std::string> names;
+    names.reserve(std::size(functions));
     for (const Function& function : functions) names.emplace_back(function.name);
     return names;
 }
