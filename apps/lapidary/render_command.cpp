@@ -80,6 +80,7 @@ public:
         record_.files = session.files();
         if (arguments_.watch) watch_files();
         const ExitCode code = carry_out(session);
+        messages_.finish();
         record_.stages.end();
         record_.plugins = session.registry().opened();
         if (was_saved()) return code;

@@ -248,6 +248,16 @@ TEST_CASE("the option -d shows the scene and writes nothing") {
     CHECK(desk.files() == 1);
 }
 
+TEST_CASE("where there are too many mistakes to tell, the last line counts the rest") {
+    const Desk desk;
+    std::string text = "objects {\n";
+    for (int i = 0; i < 103; ++i) text += "    spere { }\n";
+    desk.folder.write("bad.scene", text + "}\n");
+    const RunResult result = desk.lapidary("bad.scene");
+    CHECK(result.exit_code == 3);
+    CHECK(result.output.ends_with("and 3 more errors\n"));
+}
+
 TEST_CASE("the log of a scene is a scene that gives the same picture") {
     const Desk desk;
     REQUIRE(desk.lapidary("ball.scene -b -l -o first --samples 3 --set camera.location=1,1,-3").exit_code == 0);
