@@ -20,10 +20,29 @@ std::atomic<int> signals{0};
 }  // namespace
 
 void Interruption::receive(int) {
-    requested_ = true;
+    request();
     if (signals.fetch_add(1) == 0) return;
     if (guarded) unlink(guarded_file);
     _exit(static_cast<int>(ExitCode::interrupted));
+}
+
+// Async-signal-safe, as is all that it calls.
+void Interruption::request() {
+    static_assert(std::atomic<Clock::rep>::is_always_lock_free);
+    Clock::rep never = 0;
+    requested_at_.compare_exchange_strong(never, Clock::now().time_since_epoch().count());
+    requested_ = true;
+}
+
+void Interruption::withdraw() {
+    requested_ = signalled();
+    if (!requested_) requested_at_ = 0;
+}
+
+std::optional<double> Interruption::seconds_since_request() {
+    const Clock::rep at = requested_at_;
+    if (at == 0) return std::nullopt;
+    return std::chrono::duration<double>(Clock::now().time_since_epoch() - Clock::duration(at)).count();
 }
 
 bool Interruption::signalled() { return signals > 0; }

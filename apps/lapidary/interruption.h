@@ -6,7 +6,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace lapidary {
 
@@ -14,12 +17,14 @@ class Interruption {
 public:
     // From now on SIGINT, SIGTERM and SIGHUP set the flag.
     static void listen();
-    static void request() { requested_ = true; }
+    static void request();
     static const std::atomic<bool>& requested() { return requested_; }
+    // How long ago the first request was made, in seconds; nothing where there is none.
+    static std::optional<double> seconds_since_request();
     // Whether a signal came, not the program's own request.
     static bool signalled();
     // Takes a request of the program's own back; a signal's stays.
-    static void withdraw() { requested_ = signalled(); }
+    static void withdraw();
 
     // A file that is half written; the second signal removes it.
     static void guard(const std::filesystem::path& file);
@@ -27,7 +32,9 @@ public:
 
 private:
     static void receive(int signal);
+    using Clock = std::chrono::steady_clock;
     static inline std::atomic<bool> requested_{false};
+    static inline std::atomic<Clock::rep> requested_at_{0};  // 0: never
 };
 
 }  // namespace lapidary

@@ -191,6 +191,7 @@ private:
         };
         const Watch watch(frame, pictures_, saved_, console_);
         const RenderReport report = render(world, scene, frame, options);
+        if (!report.complete) record_.stopped_after = Interruption::seconds_since_request();
         console_.end_progress();
         return report;
     }

@@ -105,7 +105,11 @@ std::vector<std::string> statistics(const RenderRecord& record) {
                                     share(record.report->samples, record.report->pixels)));
         add_trace(record.report->trace, lines);
         lines.push_back(fmt::format("traced in {:.1f} ms of processor time", 1e3 * record.report->processor_seconds));
+        if (record.report->first_view)
+            lines.push_back(fmt::format("first view after {:.1f} ms",
+                                        1e3 * (record.stages.seconds_before("render") + *record.report->first_view)));
     }
+    if (record.stopped_after) lines.push_back(fmt::format("stopped within {:.1f} ms", 1e3 * *record.stopped_after));
     for (const Stage& stage : record.stages.all())
         lines.push_back(fmt::format("{:<8} {:9.1f} ms", stage.name, 1e3 * stage.seconds));
     return lines;

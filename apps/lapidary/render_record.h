@@ -31,6 +31,7 @@ struct RenderRecord {
     std::shared_ptr<const World> world;           // null where it did not come so far
     std::optional<PixelRegion> region;            // where not all was asked for
     std::optional<RenderReport> report;           // nothing where it did not come so far
+    std::optional<double> stopped_after;          // seconds from the wish to the end of the work; nothing: no such wish
     std::vector<std::filesystem::path> pictures;  // written
     Stages stages;
 };

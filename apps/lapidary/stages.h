@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lapidary {
@@ -27,6 +28,15 @@ public:
         if (running_) stages_.back().seconds = std::chrono::duration<double>(now - since_).count();
         since_ = now;
         running_ = false;
+    }
+    // What the stages before one of this name took together.
+    double seconds_before(std::string_view name) const {
+        double seconds = 0;
+        for (const Stage& stage : stages_) {
+            if (stage.name == name) break;
+            seconds += stage.seconds;
+        }
+        return seconds;
     }
     const std::vector<Stage>& all() const { return stages_; }
 

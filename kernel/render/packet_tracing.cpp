@@ -111,7 +111,7 @@ void Tracer::Implementation::radiances(std::span<const Ray> rays, std::span<cons
         mirrored_paths.push_back(next);
         mirrored_from.push_back(i);
     }
-    if (mirrored_rays.empty()) return;
+    if (mirrored_rays.empty() || is_stopped()) return;
     std::vector<Colour> seen(mirrored_rays.size());
     radiances(mirrored_rays, mirrored_paths, seen, {});
     for (std::size_t k = 0; k < seen.size(); ++k)

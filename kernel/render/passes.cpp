@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int tile_size = 32;
 // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
 constexpr std::size_t batch_size = 64;
-constexpr std::array<int, 3> preview_blocks{16, 8, 4};
+constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
@@ -186,6 +186,7 @@ private:
 
     Clock::time_point begin_ = Clock::now();
     std::optional<Clock::time_point> deadline_;
+    std::optional<double> first_view_;
     std::uint32_t first_samples_ = first_samples;
     std::uint32_t most_samples_ = 0;             // where their number is not fixed
     int most_passes_ = 0;                        // after the first
@@ -235,8 +236,6 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
         most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
         if (!region_.is_empty()) area_ = intersection(grown(region_, most_passes_ + 1), picture_);
     }
-    pixels_.resize(pixel_count(area_));
-    if (filter.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
 }
 
 bool Passes::is_stopped() const { return is_cancelled() || is_time_up(); }
@@ -257,6 +256,9 @@ RenderReport Passes::run() {
 
 void Passes::render_all() {
     if (options_.preview || options_.time) preview();
+    // Of a large picture these are hundreds of megabytes, which a first view need not wait for.
+    pixels_.resize(pixel_count(area_));
+    if (filter_.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
     if (plan_.samples > 0)
         sample_uniformly(plan_.samples);
     else if (plan_.refine_until_time_is_up)
@@ -373,6 +375,7 @@ void Passes::flush(Worker& worker) {
     if (size == 0 || is_stopped()) return;
     worker.integrand->trace(std::span(batch.rays).first(size), std::span(batch.samples).first(size));
     worker.camera_rays += size;
+    if (is_cancelled()) return;  // paths may have ended on their way
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
@@ -389,8 +392,10 @@ void Passes::flush(Worker& worker) {
 // ---- preview ---------------------------------------------------------------------------------------------------------
 
 void Passes::preview() {
-    for (const int block : preview_blocks)
+    for (const int block : preview_blocks) {
         for_each_tile(region_, [&](const PixelRegion& tile) { preview_tile(tile, block, workers_.local()); });
+        if (!first_view_ && !is_stopped()) first_view_ = std::chrono::duration<double>(Clock::now() - begin_).count();
+    }
 }
 
 // One ray in the middle of each block paints all of it.
@@ -402,6 +407,7 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
             ray.key = sample_key(x, y, 0, options_.sequence);
             RaySample sample;
             worker.integrand->trace({&ray, 1}, {&sample, 1});
+            if (is_cancelled()) return;
             if (!is_finite(sample.colour)) continue;
             for (int py = painted.y0; py < painted.y1; ++py)
                 for (int px = painted.x0; px < painted.x1; ++px)
@@ -549,7 +555,7 @@ RenderReport Passes::report() {
     for (int y = region_.y0; y < region_.y1; ++y)
         for (int x = region_.x0; x < region_.x1; ++x) {
             Pixel& pixel = pixels_[index_of(x, y)];
-            if (plan_.samples > 0) pixel.error = static_cast<float>(estimated_error(x, y));
+            if (plan_.samples > 0 && pixel.taken > 0) pixel.error = static_cast<float>(estimated_error(x, y));
             if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = pixel.error;
             report.samples += pixel.taken;
             report.within_error += pixel.error <= plan_.error;
@@ -568,6 +574,7 @@ RenderReport Passes::report() {
     }
     report.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     report.processor_seconds = processor_seconds_;
+    report.first_view = first_view_;
     return report;
 }
 

@@ -30,7 +30,7 @@
 namespace lapidary {
 
 // What is integrated over each pixel: rays to samples. One per thread; what it returns for a ray depends on nothing but
-// the ray.
+// the ray. Samples that were under way at a cancellation are not looked at.
 class Integrand {
 public:
     virtual ~Integrand() = default;

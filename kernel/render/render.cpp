@@ -10,8 +10,10 @@ namespace {
 // The light that comes along a ray through the world.
 class WorldIntegrand final : public Integrand {
 public:
-    WorldIntegrand(const World& world, const RenderSettings& settings, double pixel_footprint)
-        : tracer_(world, settings, pixel_footprint) {}
+    WorldIntegrand(const World& world, const RenderSettings& settings, double pixel_footprint, const std::atomic<bool>* cancel)
+        : tracer_(world, settings, pixel_footprint) {
+        tracer_.stop_when(cancel);
+    }
 
     void trace(std::span<const Ray> rays, std::span<RaySample> samples) override { tracer_.trace(rays, samples); }
     TraceStatistics statistics() const override { return tracer_.statistics(); }
@@ -25,7 +27,9 @@ private:
 RenderReport render(const World& world, const Scene& scene, Frame& frame, const RenderOptions& options) {
     const CameraRays camera(scene.camera, frame.width(), frame.height());
     const PixelFilter filter(scene.render.filter, scene.render.filter_radius.value_or(default_radius(scene.render.filter)));
-    const auto make_integrand = [&] { return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint()); };
+    const auto make_integrand = [&] {
+        return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options.cancel);
+    };
     return render_passes(make_integrand, camera, filter, plan_sampling(scene, options), frame, options);
 }
 

@@ -38,8 +38,9 @@ struct RenderReport {
     std::size_t pixels = 0, finished = 0;
     std::size_t within_error = 0;  // pixels that met the bound
     std::uint64_t samples = 0;
-    double seconds = 0;            // on the clock
-    double processor_seconds = 0;  // of all rendering threads together
+    double seconds = 0;                // on the clock
+    std::optional<double> first_view;  // seconds until the first coarse picture was whole; nothing where there was none
+    double processor_seconds = 0;      // of all rendering threads together
     TraceStatistics trace;
 };
 

@@ -187,7 +187,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
 
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
-    for (double from = 0; !is_black(passed);) {
+    for (double from = 0; !is_black(passed) && !is_stopped();) {
         const Boundary boundary = through.next(from, label);
         if (!label.is_empty())
             passed = passed * medium_lets_through(world.materials[label.medium], shadow, from, std::min(boundary.t, distance));
@@ -295,7 +295,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     ray_through_world.start(ray);
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
     Colour gathered, passed = Colour::white();
-    for (double from = 0;;) {
+    for (double from = 0; !is_stopped();) {
         const Boundary boundary = ray_through_world.next(from, label);
         std::optional<Encounter> encounter;
         double to = boundary.t;
@@ -331,6 +331,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
         here.weight *= largest(passed);
         return gathered + passed * shade(ray, *encounter, here);
     }
+    return gathered;
 }
 
 Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_footprint)
@@ -348,7 +349,7 @@ void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
         for (std::size_t i = 0; i < rays.size(); ++i) samples[i].colour = colours[i];
         return;
     }
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t i = 0; i < rays.size() && !tracer.is_stopped(); ++i) {
         tracer.light_samples = 0;
         samples[i].colour = tracer.radiance(rays[i], Path{}, &samples[i]);
     }
@@ -357,6 +358,8 @@ void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
 void Tracer::trace_one_by_one(bool one_by_one) { implementation_->one_by_one = one_by_one; }
 
 void Tracer::observe(std::function<void(const PathEvent&)> observer) { implementation_->observer = std::move(observer); }
+
+void Tracer::stop_when(const std::atomic<bool>* flag) { implementation_->stop = flag; }
 
 const TraceStatistics& Tracer::statistics() const { return implementation_->statistics; }
 

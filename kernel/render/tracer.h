@@ -9,6 +9,7 @@
 // the opacity, returns (1 - k) (a local + (1 - a) (sum of E S + F mirrored + (1 - F) refracted)) + k mirrored.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -73,6 +74,10 @@ public:
 
     // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.
     void trace_one_by_one(bool one_by_one);
+
+    // Once the flag is set, paths end wherever they are: what trace() returns from then on is good for nothing. A single path
+    // between mirrors in glass may take many milliseconds.
+    void stop_when(const std::atomic<bool>* flag);
 
     const TraceStatistics& statistics() const;
 

@@ -4,6 +4,7 @@
 // (packet_tracing.cpp). Both do the same arithmetic in the same order; the single path is the oracle of the packets.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -73,7 +74,10 @@ struct Tracer::Implementation {
     std::optional<PacketThroughWorld> packet;  // where nothing is transparent
     bool one_by_one = false;
     std::function<void(const PathEvent&)> observer;
+    const std::atomic<bool>* stop = nullptr;
     std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
+
+    bool is_stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 
     Colour radiance(const Ray& ray, const Path& path, RaySample* first);
     Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+//
+// A render that is told to stop, at moments that nobody chose: it ends at once, and what is done is a picture.
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "lapidary/image_library.h"
+#include "support/catch.h"
+#include "support/environment.h"
+#include "support/temporary_folder.h"
+
+namespace lapidary {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+constexpr int width = 320, height = 240;
+const fs::path scenes = fs::path(LAPIDARY_SOURCE_FOLDER) / "scenes";
+
+// The program at work on more samples than it will ever take, in a folder of its own.
+class Render {
+public:
+    explicit Render(const fs::path& scene) {
+        const std::string picture = (folder_.path() / "picture.png").string();
+        const std::string said = (folder_.path() / "said").string();
+        std::vector<std::string> words{LAPIDARY_PROGRAM, "-w",      "-v", "--samples", "100000",
+                                       "--resolution",   "320x240", "-o", picture,     scene.string()};
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        arguments.push_back(nullptr);
+
+        const ScopedVariable home("HOME", folder_.path()), configuration("XDG_CONFIG_HOME", folder_.path());
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, said.c_str(), O_WRONLY | O_CREAT, 0600);
+        REQUIRE(posix_spawn(&process_, LAPIDARY_PROGRAM, &actions, nullptr, arguments.data(), environ) == 0);
+        posix_spawn_file_actions_destroy(&actions);
+    }
+    ~Render() {
+        if (!is_running_) return;
+        kill(process_, SIGKILL);
+        wait();
+    }
+    Render(const Render&) = delete;
+    Render& operator=(const Render&) = delete;
+
+    // Waits until the program listens to signals; before the first pixel there is nothing to save, and they do what they always
+    // do.
+    void wait_until_listening() const {
+        const std::string status = "/proc/" + std::to_string(process_) + "/status";
+        for (int i = 0; i < 10'000; ++i) {
+            std::ifstream stream(status);
+            for (std::string line; std::getline(stream, line);)
+                if (line.starts_with("SigCgt:") && std::stoull(line.substr(7), nullptr, 16) >> (SIGTERM - 1) & 1) return;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        FAIL("the program does not listen to signals");
+    }
+    void send(int signal) const { kill(process_, signal); }
+    // The exit status; -1 where a signal ended it.
+    int wait() {
+        int status = 0;
+        waitpid(process_, &status, 0);
+        is_running_ = false;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+
+    // What is there after it, hidden files as well.
+    std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder_.path())) names.push_back(entry.path().filename().string());
+        std::ranges::sort(names);
+        return names;
+    }
+    Picture picture() const { return load_image_library()->decode(folder_.path() / "picture.png"); }
+    std::string bytes(const std::string& file) const {
+        std::ifstream stream(folder_.path() / file, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+    // The milliseconds that stand behind some words of what was said.
+    double said(const std::string& words) const {
+        const std::string text = bytes("said");
+        const std::size_t at = text.find(words);
+        INFO(text);
+        REQUIRE(at != std::string::npos);
+        return std::stod(text.substr(at + words.size()));
+    }
+
+private:
+    TemporaryFolder folder_;
+    pid_t process_ = -1;
+    bool is_running_ = true;
+};
+
+struct Stop {
+    double work = 0, exit = 0, write = 0;  // milliseconds after the signal: end of the work, end of all; of that, writing
+};
+
+// Signals so long after the first pixel is begun.
+Stop stop_after(Milliseconds moment, int signal, const fs::path& scene) {
+    Render render(scene);
+    render.wait_until_listening();
+    std::this_thread::sleep_for(moment);
+    const auto begin = Clock::now();
+    render.send(signal);
+    CHECK(render.wait() == 130);
+    const double exit = Milliseconds(Clock::now() - begin).count();
+
+    CHECK(render.files() == std::vector<std::string>{"picture.png", "said"});
+    const Picture picture = render.picture();
+    CHECK(picture.width == width);
+    CHECK(picture.height == height);
+    // The file itself says that it is not finished.
+    CHECK(render.bytes("picture.png").find("interrupted after ") != std::string::npos);
+    return {render.said("stopped within "), exit, render.said("write ")};
+}
+
+// The worst and the middle one of some measured times.
+struct Spread {
+    explicit Spread(std::vector<double> times) {
+        std::ranges::sort(times);
+        median = times[times.size() / 2], worst = times.back();
+    }
+    double median = 0, worst = 0;
+};
+
+void stop_at_random_moments(int moments, double allowed) {
+    constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+    const std::array hard{scenes / "extremeMaterialTest.scene", scenes / "dice.scene", scenes / "matDemo.scene"};
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> moment(0, 400);
+    std::vector<double> work, exit_without_write;
+    for (int i = 0; i < moments; ++i) {
+        const auto n = static_cast<std::size_t>(i);
+        const Stop stop = stop_after(Milliseconds(moment(random)), signals[n % signals.size()], hard[n / 2 % hard.size()]);
+        work.push_back(stop.work);
+        exit_without_write.push_back(stop.exit - stop.write);
+    }
+    const Spread worked(work), exited(exit_without_write);
+    INFO("work ends after " << worked.median << " ms, at worst " << worked.worst << "; the program, apart from writing, after "
+                            << exited.median << " ms, at worst " << exited.worst);
+    CHECK(worked.worst < allowed);
+    CHECK(exited.worst < allowed);
+}
+
+// Other tests run at the same time and take their share of the processors: this one bounds what nobody would wait for.
+TEST_CASE("a signal ends a render at once, and what is done is a picture") { stop_at_random_moments(8, 1500); }
+
+// What is promised, on a machine that does nothing else.
+TEST_CASE("a signal ends a render within 50 ms at a hundred random moments", "[.long]") { stop_at_random_moments(100, 50); }
+
+TEST_CASE("a second signal ends the program without a picture, and leaves nothing behind") {
+    for (int i = 0; i < 3; ++i) {
+        Render render(scenes / "extremeMaterialTest.scene");
+        render.wait_until_listening();
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        render.send(SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2 * i));
+        const auto begin = Clock::now();
+        render.send(SIGINT);
+        CHECK(render.wait() == 130);
+        CHECK(Milliseconds(Clock::now() - begin).count() < 500);
+        // Either it came before the picture's last byte, or the picture is whole.
+        const std::vector<std::string> files = render.files();
+        if (files != std::vector<std::string>{"said"}) {
+            CHECK(files == std::vector<std::string>{"picture.png", "said"});
+            CHECK(render.picture().width == width);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace lapidary
