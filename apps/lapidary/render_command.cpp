@@ -14,6 +14,7 @@
 #include "apps/lapidary/displays.h"
 #include "apps/lapidary/file_watch.h"
 #include "apps/lapidary/interruption.h"
+#include "apps/lapidary/legend.h"
 #include "apps/lapidary/picture_files.h"
 #include "apps/lapidary/render_record.h"
 #include "apps/lapidary/replace_file.h"
@@ -155,14 +156,16 @@ private:
             if (!picture.path.empty()) require_writable(picture.path);
         if (arguments_.log) require_writable(log_file());
 
-        const FrameInfo info = frame_info(scene);
+        FrameInfo info = frame_info(scene);
         if (arguments_.region) record_.region = info.region;
-        Frame frame(info.width, info.height, layers());
-        begin(info);
 
         record_.stages.begin("prepare");
         record_.world = prepare_world(scene, messages_);
         if (messages_.has_errors()) return ExitCode::scene;
+        record_.stages.begin("open");
+        if (is_shown()) info.legend = legend_of(*record_.world);
+        begin(info);
+        Frame frame(info.width, info.height, layers());
         record_.stages.begin("render");
         record_.report = render_frame(*record_.world, scene, session, info.region, frame);
         if (was_saved()) return ExitCode::interrupted;  // nobody wants this picture any more

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,18 @@ struct PixelRegion {
     bool is_empty() const { return x1 <= x0 || y1 <= y0; }
 };
 
+// What the numbers of the layers `object` and `material` stand for, by number; [0] is what is not there.
+struct Legend {
+    std::vector<std::string> objects, materials;
+};
+
 struct FrameInfo {
     int width = 0, height = 0;   // of the full picture
     PixelRegion region;          // the part that is rendered
     std::filesystem::path path;  // the file that the user asked for; empty for an output without a file
     std::string title;
     std::map<std::string, std::string> metadata;  // program, version, scene …
+    std::shared_ptr<const Legend> legend;         // null where nobody looks on
 };
 
 class LAPIDARY_API Output {

@@ -59,11 +59,13 @@ private:
         ExactTransform to_world;
         std::int32_t medium = no_material;      // the default for leaves without a material of their own
         std::int32_t appearance = no_material;  // the same, from within the innermost operand that cuts
+        const std::string* name = nullptr;      // the innermost
         bool cuts = false;                      // below the right operand of a subtraction or an intersection
     };
 
     Surroundings enter_node(const SceneNode& node, const Surroundings& around) {
         Surroundings here = around;
+        if (!node.name.empty()) here.name = &node.name;
         if (!node.factors.empty()) here.to_world = node.transform.then(around.to_world);
         if (node.material) here.medium = here.appearance = place_material(*node.material, here.to_world);
         return here;
@@ -136,6 +138,8 @@ private:
         leaf.appearance = here.appearance != no_material ? here.appearance : here.cuts ? no_material : leaf.medium;
         leaf.priority = node.priority.value_or(0);
         leaf.number = ++leaf_number_;
+        leaf.source = &node;
+        leaf.name = here.name;
         leaf.place = node.place;
         leaf.box = padded_box(leaf);
         draft->box = leaf.box;
@@ -174,6 +178,7 @@ private:
 
         MaterialInstance instance;
         instance.material = &material;
+        instance.source = &scene_material;
         instance.number = is_new ? ++material_number_ : world_.materials[known->second].number;
         instance.is_uniform = material.is_uniform();
         instance.may_be_transparent = material.may_be_transparent();

@@ -23,9 +23,10 @@ namespace lapidary {
 
 // A material where it stands in the world.
 struct MaterialInstance {
-    const Material* material = nullptr;  // null: white, as objects without material are
-    Transform placement;                 // from the material's space to the world
-    double scale = 1;                    // a length in the world times this is about its length in the material's space
+    const Material* material = nullptr;     // null: white, as objects without material are
+    const SceneMaterial* source = nullptr;  // as written; null: as `material`
+    Transform placement;                    // from the material's space to the world
+    double scale = 1;                       // a length in the world times this is about its length in the material's space
     bool is_uniform = false;
     bool may_be_transparent = false;
     Matter matter;            // of a uniform material: what it is everywhere
@@ -54,7 +55,9 @@ struct Leaf {
     double priority = 0;
     std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
     std::int32_t surface_count = 0;
-    std::int32_t number = 0;  // of the object for the `object` layer, from 1 in the order of writing
+    std::int32_t number = 0;            // of the object for the `object` layer, from 1 in the order of writing
+    const SceneNode* source = nullptr;  // as written
+    const std::string* name = nullptr;  // its own, else of the innermost block around it that has one; null: none
     Place place;
 };
 

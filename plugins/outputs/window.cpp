@@ -25,6 +25,12 @@ namespace lapidary {
 
 namespace {
 
+std::string decimal(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
 // The picture as it is shown.
 struct Shown {
     int width = 0, height = 0;
@@ -42,6 +48,7 @@ public:
     void resize(const FrameInfo& info) {
         const std::scoped_lock lock(mutex_);
         width_ = info.width, height_ = info.height;
+        legend_ = info.legend;
         pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), {});
         changed_ = true;
     }
@@ -75,13 +82,22 @@ public:
         changed_ = true;
     }
 
-    std::optional<Pixel> pixel(int x, int y) {
+    // What a pixel shows: "1 0.5 0.2, object ball, material red".
+    std::string describe(int x, int y) {
         const std::scoped_lock lock(mutex_);
-        if (x < 0 || y < 0 || x >= width_ || y >= height_) return std::nullopt;
-        return at(x, y);
+        if (x < 0 || y < 0 || x >= width_ || y >= height_) return "";
+        const Pixel& pixel = at(x, y);
+        const std::string colour = decimal(pixel.colour.r) + " " + decimal(pixel.colour.g) + " " + decimal(pixel.colour.b);
+        if (!legend_) return colour;
+        return colour + ", object " + name(legend_->objects, pixel.object) + ", material " +
+               name(legend_->materials, pixel.material);
     }
 
 private:
+    static const std::string& name(const std::vector<std::string>& names, int number) {
+        return names[number >= 0 && static_cast<std::size_t>(number) < names.size() ? static_cast<std::size_t>(number) : 0];
+    }
+
     static int index(const Frame& frame, Layer layer, int x, int y) {
         return frame.has(layer) ? static_cast<int>(frame.pixel(layer, x, y)[0]) : 0;
     }
@@ -106,6 +122,7 @@ private:
     std::mutex mutex_;
     int width_ = 0, height_ = 0;
     std::vector<Pixel> pixels_;
+    std::shared_ptr<const Legend> legend_;
     bool changed_ = false;
 };
 
@@ -259,23 +276,12 @@ private:
         std::string title = title_ + progress;
         if (half_stops_ != 0) title += ", exposure " + std::string(half_stops_ > 0 ? "+" : "") + decimal(0.5 * half_stops_);
         if (mouse_)
-            if (const auto pixel = canvas_.pixel(mouse_->first, mouse_->second)) title += ", " + describe(*pixel);
+            if (const std::string pixel = canvas_.describe(mouse_->first, mouse_->second); !pixel.empty())
+                title += ", " + std::to_string(mouse_->first) + "," + std::to_string(mouse_->second) + ": " + pixel;
         if (!remark_.empty()) title += ", " + remark_;
         if (title == shown_title_) return;
         shown_title_ = title;
         SDL_SetWindowTitle(window_.get(), title.c_str());
-    }
-
-    std::string describe(const Canvas::Pixel& pixel) const {
-        const Colour& c = pixel.colour;
-        return std::to_string(mouse_->first) + "," + std::to_string(mouse_->second) + ": " + decimal(c.r) + " " + decimal(c.g) +
-               " " + decimal(c.b) + " object " + std::to_string(pixel.object) + " material " + std::to_string(pixel.material);
-    }
-
-    static std::string decimal(double value) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.4g", value);
-        return text;
     }
 
     Canvas& canvas_;

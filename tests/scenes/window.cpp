@@ -25,9 +25,9 @@ namespace fs = std::filesystem;
 constexpr const char* ball = R"(
 camera { location(0, 0, -3); }
 output { resolution(200, 150); }
-background(0, 0, 1);
+solid red { colour(1, 0, 0); } background(0, 0, 1);
 lights { ambient { intensity(1); } }
-objects { sphere { colour(1, 0, 0); } }
+objects { sphere { material { red; } } }
 )";
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -142,7 +142,7 @@ TEST_CASE("the window shows the picture, tells of pixels, saves, and closes on E
     REQUIRE(show.wait_for("ball.png"));
 
     display.tool("sh -c 'xdotool search --name ^ball mousemove --window %1 100 75'");
-    CHECK(show.wait_for_title("100,75: 1 0 0 object 1"));
+    CHECK(show.wait_for_title("100,75: 1 0 0, object sphere on line 6, material red"));
     show.press("s");
     REQUIRE(show.wait_for("ball-1.png"));
     CHECK(show.wait_for_title("saved ball-1.png"));
