@@ -13,6 +13,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <future>
@@ -314,8 +315,8 @@ public:
     // Throws where there is no display.
     void begin(const FrameInfo& info) override {
         canvas_.resize(info);
-        finished_ = 0;
-        pixels_ = static_cast<double>(info.region.width()) * info.region.height();
+        progress_ = 0, seconds_ = 0;
+        begin_ = Clock::now();
         if (thread_.joinable()) return;  // the same window for the next picture
         std::promise<void> opened;
         std::future<void> result = opened.get_future();
@@ -325,7 +326,8 @@ public:
 
     void tile(const Frame& frame, const PixelRegion& region) override {
         canvas_.take(frame, region);
-        finished_ = frame.finished();
+        progress_ = frame.progress();
+        seconds_ = std::chrono::duration<double>(Clock::now() - begin_).count();
     }
 
     void finish(const Frame& frame, const FrameInfo& info, const std::filesystem::path&) override { tile(frame, info.region); }
@@ -350,16 +352,26 @@ private:
     }
 
     std::string progress() const {
-        const int percent = static_cast<int>(100 * static_cast<double>(finished_) / pixels_);
-        return percent < 100 ? ", " + std::to_string(percent) + " %" : "";
+        const double done = progress_, seconds = seconds_;
+        if (done >= 1) return "";
+        const std::string percent = ", " + std::to_string(static_cast<int>(100 * done)) + " %";
+        // As fast as up to now; too early, nobody knows.
+        return done > 0 && seconds > 1 ? percent + ", " + duration(seconds * (1 - done) / done) + " left" : percent;
+    }
+
+    static std::string duration(double seconds) {
+        const double minutes = std::ceil(seconds / 60);
+        if (seconds <= 60) return std::to_string(static_cast<int>(std::ceil(seconds))) + " s";
+        return minutes < 1e6 ? std::to_string(static_cast<int>(minutes)) + " min" : "a long time";
     }
 
     enum class Choice { no, yes };
     Choice full_screen_ = Choice::no;
 
     Canvas canvas_;
-    std::atomic<std::size_t> finished_{0};
-    std::atomic<double> pixels_{1};
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point begin_;
+    std::atomic<double> progress_{0}, seconds_{0};  // of the render: how much of it is done, how long it has taken for that
     std::atomic<bool> closing_{false}, stopped_{false};
     std::thread thread_;
 };

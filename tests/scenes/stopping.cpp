@@ -13,12 +13,16 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include "kernel/prepare/world.h"
+#include "kernel/render/tracer.h"
 #include "lapidary/image_library.h"
 #include "support/catch.h"
 #include "support/environment.h"
+#include "support/scenes.h"
 #include "support/temporary_folder.h"
 
 namespace lapidary {
@@ -181,6 +185,32 @@ TEST_CASE("a second signal ends the program without a picture, and leaves nothin
             CHECK(render.picture().width == width);
         }
     }
+}
+
+// A path that splits at every face, until the recursion ends: more faces than anybody waits for.
+constexpr const char* hall_of_glass = R"(
+render { depth(1000); cutoff(0); }
+lights { ambient { } }
+objects { repeat i (0, 19) { sphere { radius(0.4); material { solid { refraction(1.5); } } transform { translate(0.05, 0.1, i + 2); } } } }
+)";
+
+TEST_CASE("a tracer that is told to stop leaves its paths where they are") {
+    const auto built = test::build(hall_of_glass);
+    for (const std::string& headline : built->headlines()) FAIL_CHECK(headline);
+    REQUIRE(built->scene);
+    const auto world = prepare_world(*built->scene, built->messages);
+    Tracer tracer(*world, built->scene->render, 0);
+    std::atomic<bool> stop{false};
+    int met = 0;
+    tracer.stop_when(&stop);
+    tracer.observe([&](const PathEvent&) {
+        if (++met > 2000) throw std::runtime_error("the paths go on");
+        if (met == 1000) stop = true;
+    });
+    const std::array rays{Ray{{}, {0, 0, 1}, {}, {}}, Ray{{}, {0, 0, 1}, {}, {}}};
+    std::array<RaySample, 2> samples;
+    tracer.trace(rays, samples);
+    CHECK(met == 1000);
 }
 
 }  // namespace

@@ -203,8 +203,9 @@ TEST_CASE("the option --watch shows the scene anew in the same window when it is
 TEST_CASE("Escape stops a render: what is done is written, and the status says interrupted") {
     if (!can_show()) return;
     const VirtualDisplay display;
-    const Show show(display, "--samples 100000");
+    const Show show(display, "--samples 5000");
     REQUIRE(show.wait_for_title("ball, 0 %"));
+    CHECK(show.wait_for_title(" left"));
     show.press("Escape");
     REQUIRE(show.wait_for("status"));
     CHECK(show.text("status") == "130\n");
@@ -245,6 +246,31 @@ TEST_CASE("the option --preview draws the picture in half blocks of true colour"
     CHECK(result.output.starts_with("\033[38;2;0;0;255m\033[48;2;0;0;255m▀"));
     CHECK(contains(result.output, "255;0;0m"));
     CHECK_FALSE(contains(result.output, "\033[30A"));  // drawn once where it is no terminal
+}
+
+// Milliseconds from the start of the program's work until a first, coarse picture is whole.
+double first_view(const std::string& scene, const std::string& resolution) {
+    const TemporaryFolder folder;
+    const RunResult result =
+        run(fmt::format("cd {0} && HOME={0} WAYLAND_DISPLAY= DISPLAY= {1} -v --preview --samples 1 --resolution {2} -o view {3}",
+                        quoted(folder.path()), quoted(LAPIDARY_PROGRAM), resolution,
+                        quoted(fs::path(LAPIDARY_SOURCE_FOLDER) / "scenes" / scene)));
+    REQUIRE(result.exit_code == 0);
+    const std::string words = "first view after ";
+    const std::size_t at = result.output.find(words);
+    REQUIRE(at != std::string::npos);
+    return std::stod(result.output.substr(at + words.size()));
+}
+
+// Other tests take their share of the processors meanwhile.
+TEST_CASE("a first view of the whole picture is there soon") { CHECK(first_view("dice.scene", "160x120") < 1000); }
+
+// What is promised, on a machine that does nothing else.
+TEST_CASE("a first view of the whole picture is there within 100 ms", "[.long]") {
+    for (const char* scene : {"dice.scene", "matDemo.scene", "extremeMaterialTest.scene"}) {
+        INFO(scene);
+        CHECK(first_view(scene, "640x480") < 100);
+    }
 }
 
 }  // namespace
