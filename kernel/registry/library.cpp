@@ -37,7 +37,8 @@ std::string loader_reason(const std::filesystem::path& library) {
 }
 
 // A library that was cut off (a full disk, a copy under way) would be mapped beyond its end and kill the process at the
-// first touch. The dynamic loader does not look; all segments being inside the file, it may.
+// first touch. The dynamic loader does not look; all segments being inside the file, and the table of sections, which stands at
+// its end, it may.
 bool is_cut_off(const std::filesystem::path& library) {
     std::ifstream file(library, std::ios::binary);
     ElfW(Ehdr) header{};
@@ -48,6 +49,8 @@ bool is_cut_off(const std::filesystem::path& library) {
     if (!read(0, header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return false;  // the loader says it better
     std::error_code error;
     const std::uint64_t size = std::filesystem::file_size(library, error);
+    const std::uint64_t sections = std::uint64_t{header.e_shnum} * header.e_shentsize;
+    if (header.e_shoff > size || sections > size - header.e_shoff) return true;
     for (std::uint64_t i = 0; i < header.e_phnum; ++i) {
         ElfW(Phdr) segment{};
         if (!read(header.e_phoff + i * header.e_phentsize, segment)) return true;

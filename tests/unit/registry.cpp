@@ -236,7 +236,7 @@ TEST_CASE("the list shows every file: usable, hidden and refused") {
     CHECK(list[2].hidden);
 }
 
-TEST_CASE("many threads may ask at once; all are given the same plugin") {
+TEST_CASE("many threads may ask at once, and all are given the same plugin") {
     Registry registry({built_plugins});
     std::vector<const Plugin*> found(8);
     std::vector<std::thread> threads;
