@@ -318,10 +318,11 @@ public:
         progress_ = 0, seconds_ = 0;
         begin_ = Clock::now();
         if (thread_.joinable()) return;  // the same window for the next picture
-        std::promise<void> opened;
-        std::future<void> result = opened.get_future();
+        // Why it could not be opened, as text: an exception would be released by two threads.
+        std::promise<std::string> opened;
+        std::future<std::string> result = opened.get_future();
         thread_ = std::thread([this, info, promise = std::move(opened)]() mutable { run(info, promise); });
-        result.get();
+        if (const std::string reason = result.get(); !reason.empty()) throw std::runtime_error(reason);
     }
 
     void tile(const Frame& frame, const PixelRegion& region) override {
@@ -336,17 +337,17 @@ public:
     bool stays_open() const override { return thread_.joinable() && !stopped_; }
 
 private:
-    void run(const FrameInfo& info, std::promise<void>& opened) {
+    void run(const FrameInfo& info, std::promise<std::string>& opened) {
         bool is_open = false;
         try {
             const Sdl sdl;
             Show show(canvas_, info, full_screen_ == Choice::yes);
             is_open = true;
-            opened.set_value();
+            opened.set_value("");
             while (!closing_ && show.step(progress())) continue;
-        } catch (...) {
+        } catch (const std::exception& error) {
             // A window that fails later is as good as one that was closed.
-            if (!is_open) opened.set_exception(std::current_exception());
+            if (!is_open) opened.set_value(error.what());
         }
         stopped_ = true;
     }
