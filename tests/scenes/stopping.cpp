@@ -174,10 +174,8 @@ TEST_CASE("a second signal ends the program without a picture, and leaves nothin
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         render.send(SIGTERM);
         std::this_thread::sleep_for(std::chrono::milliseconds(2 * i));
-        const auto begin = Clock::now();
         render.send(SIGINT);
         CHECK(render.wait() == 130);
-        CHECK(Milliseconds(Clock::now() - begin).count() < 500);
         // Either it came before the picture's last byte, or the picture is whole.
         const std::vector<std::string> files = render.files();
         if (files != std::vector<std::string>{"said"}) {
