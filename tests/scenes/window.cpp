@@ -203,7 +203,7 @@ TEST_CASE("the option --watch shows the scene anew in the same window when it is
 TEST_CASE("Escape stops a render: what is done is written, and the status says interrupted") {
     if (!can_show()) return;
     const VirtualDisplay display;
-    const Show show(display, "--samples 5000");
+    const Show show(display, "--samples 80 --resolution 640x480");  // many tiles: the time that is left is soon known
     REQUIRE(show.wait_for_title("ball, 0 %"));
     CHECK(show.wait_for_title(" left"));
     show.press("Escape");
