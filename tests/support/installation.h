@@ -27,7 +27,7 @@ public:
 
     // Configures a project that finds the installed package, and builds one target of it.
     RunResult build(const std::filesystem::path& source, const std::filesystem::path& binary, const std::string& target) const {
-        return run("cmake -S " + quoted(source) + " -B " + quoted(binary) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix()) +
+        return run("cmake -G Ninja -S " + quoted(source) + " -B " + quoted(binary) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix()) +
                    " -DCMAKE_CXX_COMPILER=" + quoted(LAPIDARY_CXX) + " && cmake --build " + quoted(binary) + " --target " +
                    target);
     }

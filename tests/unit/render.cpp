@@ -214,7 +214,7 @@ TEST_CASE("with a time limit the picture is refined until the time is up, and al
     const StandInPicture picture;
     Frame frame = picture.frame({Layer::samples});
     RenderOptions options;
-    options.time = std::chrono::milliseconds(300);
+    options.time = std::chrono::milliseconds(2000);
     SamplingPlan plan;
     plan.refine_until_time_is_up = true;
     const RenderReport report = picture.render(frame, plan, options);
