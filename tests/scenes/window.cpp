@@ -45,6 +45,7 @@ bool wait(Condition condition) {
 }
 
 // A display without a screen, gone after the test.
+//
 // The tests in a real window are run on demand, `lapidary_scenes_tests "[display]"`: once in a dozen runs the X server answers
 // a request of SDL's with BadWindow while the window closes, and Xlib ends the program.
 class VirtualDisplay {
