@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Runs of the programs that are compared, and what they say of themselves."""
+
+import dataclasses
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+ONE_SAMPLE = "one sample"
+
+
+@dataclasses.dataclass
+class Run:
+    """Seconds; `whole` and `wall` by the clock, the others of processor time. Memory in bytes."""
+    parse: float
+    prepare: float
+    trace: float
+    wall: float  # of the tracing
+    whole: float
+    memory: int
+    picture: pathlib.Path
+
+
+class Failure(Exception):
+    pass
+
+
+def pinned(cores):
+    return ["taskset", "-c", cores] if shutil.which("taskset") else []
+
+
+def execute(command, folder):
+    """The seconds by the clock, the peak memory and the messages of a process that is to succeed."""
+    with tempfile.TemporaryFile() as messages:
+        begin = time.perf_counter()
+        process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=messages, stderr=messages)
+        _, status, usage = os.wait4(process.pid, 0)
+        whole = time.perf_counter() - begin
+        process.returncode = os.waitstatus_to_exitcode(status)
+        messages.seek(0)
+        text = messages.read().decode(errors="replace")
+    if process.returncode != 0:
+        raise Failure(f"{command}\nends with {process.returncode}:\n{text[-2000:]}")
+    return whole, usage.ru_maxrss * 1024, text
+
+
+def found(pattern, text):
+    match = re.search(pattern, text, re.S)
+    if not match:
+        raise Failure(f"no '{pattern}' in:\n{text[-2000:]}")
+    return float(match.group(1))
+
+
+class Lapidary:
+    """A quality is ONE_SAMPLE, or options that replace --samples 1."""
+
+    def __init__(self, name="ours", program=ROOT / "build" / "bin" / "lapidary", options=(), threads=1, cores="0"):
+        self.name, self.program, self.options = name, pathlib.Path(program).resolve(), list(options)
+        self.threads, self.cores = threads, cores
+        if not os.access(self.program, os.X_OK):
+            raise Failure(f"no program {self.program}; build it with: sh .ci/build")
+
+    def run(self, workload, size, folder, quality=ONE_SAMPLE):
+        picture = folder / f"{workload.name}-{self.name}.png"
+        chosen = ["--samples", "1"] if quality == ONE_SAMPLE else quality
+        whole, memory, text = execute(
+            [*pinned(self.cores), self.program, "-v", "-w", "-j", self.threads, "--resolution", "{}x{}".format(*size),
+             "--set", "output.encoding=linear", "--set", "output.png.bits=16", *chosen, *self.options, "-o", picture, workload.ours], folder)
+        stage = lambda name: 1e-3 * found(rf"\n{name} +([\d.]+) ms", text)
+        return Run(parse=stage("load") + stage("build"), prepare=stage("prepare"), wall=stage("render"), whole=whole, memory=memory,
+                   trace=1e-3 * found(r"traced in ([\d.]+) ms of processor time", text), picture=picture)
+
+
+class PovRay:
+    """A quality is ONE_SAMPLE, or options that replace -A."""
+    name = "POV-Ray"
+
+    def __init__(self, threads=1, cores="0"):
+        self.threads, self.cores = threads, cores
+        if shutil.which("povray") is None:
+            raise Failure("povray is not installed")
+
+    def run(self, workload, size, folder, quality=ONE_SAMPLE):
+        picture = folder / f"{workload.name}-povray.png"
+        chosen = ["-A"] if quality == ONE_SAMPLE else quality
+        width, height = size
+        whole, memory, text = execute(
+            [*pinned(self.cores), "povray", f"+I{workload.povray}", f"+L{HERE / 'povray'}", f"+O{picture}", f"+W{width}", f"+H{height}",
+             f"+WT{self.threads}", *chosen, "-D", "-V", "+FN16", "File_Gamma=1.0", f"Declare=IW={width}", f"Declare=IH={height}"], folder)
+        of_processor = lambda stage: found(rf"{stage} Time:[^\n]*\n[^\n]*with ([\d.]+) CPU-seconds", text)
+        return Run(parse=of_processor("Parse"), prepare=of_processor("Bounding"), trace=of_processor("Trace"), whole=whole, memory=memory,
+                   wall=found(r"Trace Time:[^\n]*\(([\d.]+) seconds\)", text), picture=picture)
+
+
+def difference(a, b, program):
+    """RMSE of two pictures, channel value by channel value."""
+    done = subprocess.run([program, "compare", "--tolerance", "1", a, b], capture_output=True, text=True)
+    return found(r"RMSE +([\d.e+-]+)", done.stdout + done.stderr)
