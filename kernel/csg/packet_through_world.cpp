@@ -18,26 +18,25 @@ PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& stat
       negative_in_(static_cast<std::size_t>(world.most_leaves)),
       negative_out_(static_cast<std::size_t>(world.most_leaves)) {}
 
-// Lanes without a ray repeat the first one and are done from the start.
-void PacketThroughWorld::start(std::span<const Ray> rays) {
-    count_ = static_cast<int>(rays.size());
-    departs_ = false;
+void PacketThroughWorld::start(const RayPacket& rays) {
+    rays_ = rays;
     placed_leaf_ = -1;
     const Point anchor = world_.hierarchy.anchor();
     for (int i = 0; i < width; ++i) {
-        const Ray& ray = rays_[static_cast<std::size_t>(i)] = rays[static_cast<std::size_t>(i < count_ ? i : 0)];
-        departs_ |= ray.departure.leaf >= 0 || ray.departure.surface_class >= 0;
-        const Point origin = ray.origin.rounded();
-        const SlabLine slabs(origin, ray.direction);
-        origin_hi_x_[i] = ray.origin.anchor.x, origin_hi_y_[i] = ray.origin.anchor.y, origin_hi_z_[i] = ray.origin.anchor.z;
-        origin_lo_x_[i] = ray.origin.offset.x, origin_lo_y_[i] = ray.origin.offset.y, origin_lo_z_[i] = ray.origin.offset.z;
-        origin_x_[i] = origin.x, origin_y_[i] = origin.y, origin_z_[i] = origin.z;
-        direction_x_[i] = ray.direction.x, direction_y_[i] = ray.direction.y, direction_z_[i] = ray.direction.z;
-        relative_x_[i] = origin.x - anchor.x, relative_y_[i] = origin.y - anchor.y, relative_z_[i] = origin.z - anchor.z;
-        inverse_x_[i] = slabs.ix, inverse_y_[i] = slabs.iy, inverse_z_[i] = slabs.iz;
-        origin_size_[i] = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z)});
-        if (i >= count_) limit_[i] = -1;
+        origin_x_[i] = rays.anchor.x[i] + rays.offset.x[i];
+        origin_y_[i] = rays.anchor.y[i] + rays.offset.y[i];
+        origin_z_[i] = rays.anchor.z[i] + rays.offset.z[i];
+        relative_x_[i] = origin_x_[i] - anchor.x, relative_y_[i] = origin_y_[i] - anchor.y,
+        relative_z_[i] = origin_z_[i] - anchor.z;
+        inverse_x_[i] = SlabLine::finite_inverse(rays.direction.x[i]);
+        inverse_y_[i] = SlabLine::finite_inverse(rays.direction.y[i]);
+        inverse_z_[i] = SlabLine::finite_inverse(rays.direction.z[i]);
+        const double x = std::fabs(origin_x_[i]), y = std::fabs(origin_y_[i]), z = std::fabs(origin_z_[i]);
+        const double larger = x < y ? y : x;
+        origin_size_[i] = larger < z ? z : larger;
     }
+    // Lanes without a ray are done from the start.
+    for (int i = rays.count; i < width; ++i) limit_[i] = -1;
     update_furthest();
 }
 
@@ -47,7 +46,7 @@ void PacketThroughWorld::update_furthest() { furthest_ = *std::max_element(limit
 bool PacketThroughWorld::meets(const std::array<float, 3>& low, const std::array<float, 3>& high, double& nearest) const {
     constexpr double padding = 1 + 8 * 0x1p-52;
     const double low_x = low[0], low_y = low[1], low_z = low[2], high_x = high[0], high_y = high[1], high_z = high[2];
-    Lanes near;
+    Lanes near{};
     for (int i = 0; i < width; ++i) {
         const double x0 = (low_x - relative_x_[i]) * inverse_x_[i], x1 = (high_x - relative_x_[i]) * inverse_x_[i];
         const double y0 = (low_y - relative_y_[i]) * inverse_y_[i], y1 = (high_y - relative_y_[i]) * inverse_y_[i];
@@ -76,71 +75,72 @@ void PacketThroughWorld::for_each_solid(Visit visit) {
                           [this] { return furthest_; }, visit);
 }
 
-void PacketThroughWorld::first_boundaries(std::span<const Ray> rays, std::span<Boundary> boundaries) {
+void PacketThroughWorld::first_boundaries(const RayPacket& rays, BoundaryPacket& boundaries) {
     for (int i = 0; i < width; ++i) limit_[i] = infinity;
     start(rays);
-    for (Boundary& boundary : boundaries) boundary = Boundary{};
+    boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1);
     for_each_solid([&](std::int32_t index) {
         Lanes t;
         std::array<std::int32_t, width> leaf;
         enter(world_.solids[index], t, leaf);
         bool closer = false;
-        for (int i = 0; i < count_; ++i) {
-            Boundary& first = boundaries[static_cast<std::size_t>(i)];
+        for (int i = 0; i < rays.count; ++i) {
             if (t[i] == 0) {  // a start inside: the way out is what is met
-                line_.start(rays_[i]);
+                line_.start(rays.ray(i));
                 line_.select(world_.solids[index]);
                 t[i] = line_.leave(0), leaf[i] = -1;
             }
-            if (t[i] > 0 && (t[i] < first.t || (t[i] == first.t && t[i] < infinity && index < first.solid))) {
-                first.t = limit_[i] = t[i], first.solid = index, first.leaf = leaf[i];
+            const double first = boundaries.t[i];
+            if (t[i] > 0 && (t[i] < first || (t[i] == first && t[i] < infinity && index < boundaries.solid[i]))) {
+                boundaries.t[i] = limit_[i] = t[i], boundaries.solid[i] = index, boundaries.leaf[i] = leaf[i];
                 closer = true;
             }
         }
         if (closer) update_furthest();
     });
-    meet_sheets(rays, boundaries);
+    meet_sheets(boundaries);
 }
 
-void PacketThroughWorld::meet_sheets(std::span<const Ray> rays, std::span<Boundary> boundaries) {
+void PacketThroughWorld::meet_sheets(BoundaryPacket& boundaries) {
     for (const Sheet& sheet : world_.sheets) {
         const Leaf& leaf = world_.leaves[sheet.leaf];
         const bool simple = sheet.conditions.empty() && leaf.first_surface < 0;
         Lanes in, out;
         if (simple) own_spans(leaf, in, out);
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            const int lane = static_cast<int>(i);
-            Boundary& first = boundaries[i];
+        for (int i = 0; i < rays_.count; ++i) {
+            Boundary first;
+            first.t = boundaries.t[i], first.solid = boundaries.solid[i], first.leaf = boundaries.leaf[i];
             if (!simple) {
-                single_.start(rays[i]);
+                single_.start(rays_.ray(i));
                 single_.meet_sheet(sheet, 0, first);
-                continue;
+            } else {
+                const double t = rays_.departure[i].leaf == sheet.leaf ? infinity : placed_.anchor[i] + in[i];
+                if (t > 0 && t < infinity && comes_before(sheet, t, first)) first = {t, -1, sheet.leaf, {}, {}};
             }
-            const double t = rays[i].departure.leaf == sheet.leaf ? infinity : placed_.anchor[lane] + in[lane];
-            if (t > 0 && t < infinity && comes_before(sheet, t, first)) first = {t, -1, sheet.leaf, {}, {}};
+            boundaries.t[i] = first.t, boundaries.solid[i] = first.solid, boundaries.leaf[i] = first.leaf;
         }
     }
 }
 
-unsigned PacketThroughWorld::blocked(std::span<const Ray> rays, std::span<const double> distances) {
-    for (std::size_t i = 0; i < distances.size(); ++i) limit_.v[i] = distances[i];
+unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distances) {
+    limit_ = distances;
     start(rays);
     unsigned blocked = 0;
-    const unsigned all = (1u << count_) - 1;
+    const unsigned all = (1u << rays.count) - 1;
     for_each_solid([&](std::int32_t index) {
         if (blocked == all) return;
         Lanes t;
         std::array<std::int32_t, width> leaf;
         enter(world_.solids[index], t, leaf);
         const unsigned before = blocked;
-        for (int i = 0; i < count_; ++i)
-            if (t[i] < distances[static_cast<std::size_t>(i)]) blocked |= 1u << i, limit_[i] = -1;
+        for (int i = 0; i < rays.count; ++i)
+            if (t[i] < distances[i]) blocked |= 1u << i, limit_[i] = -1;
         if (blocked != before) update_furthest();
     });
     for (const Sheet& sheet : world_.sheets)
-        for (std::size_t i = 0; i < rays.size() && blocked != all; ++i) {
+        for (int i = 0; i < rays.count && blocked != all; ++i) {
             if (blocked & (1u << i)) continue;
-            single_.start(rays[i]);
+            single_.start(rays.ray(i));
             if (single_.is_blocked_by(sheet, distances[i])) blocked |= 1u << i;
         }
     return blocked;
@@ -155,7 +155,7 @@ void PacketThroughWorld::enter(const Solid& solid, Lanes& t, std::array<std::int
         leaf[i] = -1;
         t[i] = infinity;
         if (!(limit_[i] >= 0)) continue;
-        line_.start(rays_[i]);
+        line_.start(rays_.ray(i));
         line_.select(solid);
         t[i] = line_.enter(0);
     }
@@ -166,9 +166,9 @@ bool PacketThroughWorld::any_in_box(const Bounds& box, const Lanes& t) const {
     int held = 0;
     for (int i = 0; i < width; ++i) {
         const double slack = 0x1p-50 * (origin_size_[i] + (t[i] < infinity ? t[i] : 0));
-        const double x = origin_x_[i] + t[i] * direction_x_[i];
-        const double y = origin_y_[i] + t[i] * direction_y_[i];
-        const double z = origin_z_[i] + t[i] * direction_z_[i];
+        const double x = origin_x_[i] + t[i] * rays_.direction.x[i];
+        const double y = origin_y_[i] + t[i] * rays_.direction.y[i];
+        const double z = origin_z_[i] + t[i] * rays_.direction.z[i];
         held += (x >= box.low.x - slack) & (x <= box.high.x + slack) & (y >= box.low.y - slack) & (y <= box.high.y + slack) &
                 (z >= box.low.z - slack) & (z <= box.high.z + slack);
     }
@@ -240,7 +240,7 @@ void PacketThroughWorld::enter_product(const Solid& solid, Lanes& t, std::array<
     }
     for (int i = 0; i < width; ++i) {
         if (!(t[i] < infinity) || sliver[i] == 0) continue;
-        line_.start(rays_[i]);
+        line_.start(rays_.ray(i));
         line_.select(solid);
         t[i] = line_.enter(0);
         leaf[i] = -1;
@@ -257,13 +257,13 @@ const PacketThroughWorld::PlacedLines& PacketThroughWorld::placed_lines(std::int
     const bool identity = placement.has_identity_linear();
     LineBatch& lines = placed_.lines;
     for (int i = 0; i < width; ++i) {
-        const TwoPart x = two_difference(origin_hi_x_[i], centre.anchor.x);
-        const TwoPart y = two_difference(origin_hi_y_[i], centre.anchor.y);
-        const TwoPart z = two_difference(origin_hi_z_[i], centre.anchor.z);
-        const double lo_x = x.lo + (origin_lo_x_[i] - centre.offset.x);
-        const double lo_y = y.lo + (origin_lo_y_[i] - centre.offset.y);
-        const double lo_z = z.lo + (origin_lo_z_[i] - centre.offset.z);
-        const double dx = direction_x_[i], dy = direction_y_[i], dz = direction_z_[i];
+        const TwoPart x = two_difference(rays_.anchor.x[i], centre.anchor.x);
+        const TwoPart y = two_difference(rays_.anchor.y[i], centre.anchor.y);
+        const TwoPart z = two_difference(rays_.anchor.z[i], centre.anchor.z);
+        const double lo_x = x.lo + (rays_.offset.x[i] - centre.offset.x);
+        const double lo_y = y.lo + (rays_.offset.y[i] - centre.offset.y);
+        const double lo_z = z.lo + (rays_.offset.z[i] - centre.offset.z);
+        const double dx = rays_.direction.x[i], dy = rays_.direction.y[i], dz = rays_.direction.z[i];
         const double world_step = -(x.hi * dx + y.hi * dy + z.hi * dz);
         const double wx = std::fma(world_step, dx, x.hi) + lo_x;
         const double wy = std::fma(world_step, dy, y.hi) + lo_y;
@@ -286,7 +286,7 @@ const PacketThroughWorld::PlacedLines& PacketThroughWorld::placed_lines(std::int
 
 // A leaf's one span in every lane; an empty one ends before it begins.
 void PacketThroughWorld::spans(std::int32_t index, Lanes& in, Lanes& out) {
-    statistics_.object_tests += static_cast<std::uint64_t>(count_);
+    statistics_.object_tests += static_cast<std::uint64_t>(rays_.count);
     const Leaf& leaf = world_.leaves[index];
     if (leaf.first_surface >= 0) {
         shared_spans(leaf, in, out);
@@ -298,7 +298,7 @@ void PacketThroughWorld::spans(std::int32_t index, Lanes& in, Lanes& out) {
         in[i] = empty ? infinity : placed_.anchor[i] + in[i];
         out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
     }
-    if (departs_) remove_departures(in, out, index, -1);
+    if (rays_.departs) remove_departures(in, out, index, -1);
 }
 
 // In the leaf's own t, with placed_ set to its lines.
@@ -333,7 +333,7 @@ void PacketThroughWorld::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
                 surface_in[i] = empty ? infinity : placed_.anchor[i] + surface_in[i];
                 surface_out[i] = empty ? -infinity : placed_.anchor[i] + surface_out[i];
             }
-            if (departs_) remove_departures(surface_in, surface_out, -1, use.surface_class);
+            if (rays_.departs) remove_departures(surface_in, surface_out, -1, use.surface_class);
         }
         for (int i = 0; i < width; ++i) {
             in[i] = surface_in[i] > in[i] ? surface_in[i] : in[i];
@@ -358,9 +358,9 @@ void PacketThroughWorld::plane_spans(const SurfaceUse& use, const Leaf& frame, c
         in[i] = parallel ? (holds ? -infinity : infinity) : (slope > 0 ? -infinity : t);
         out[i] = parallel ? (holds ? infinity : -infinity) : (slope > 0 ? t : infinity);
     }
-    if (departs_)
+    if (rays_.departs)
         for (int i = 0; i < width; ++i) {
-            const Departure& departure = rays_[i].departure;
+            const Departure& departure = rays_.departure[i];
             if (departure.surface_class != use.surface_class) continue;
             in[i] = departure.inward ? 0 : -infinity;
             out[i] = departure.inward ? infinity : 0;
@@ -376,8 +376,8 @@ void PacketThroughWorld::plane_spans(const SurfaceUse& use, const Leaf& frame, c
 }
 
 void PacketThroughWorld::remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const {
-    for (int i = 0; i < count_; ++i) {
-        const Departure& departure = rays_[i].departure;
+    for (int i = 0; i < rays_.count; ++i) {
+        const Departure& departure = rays_.departure[i];
         const bool departs = surface_class >= 0 ? departure.surface_class == surface_class : departure.leaf == leaf;
         if (!departs || !(in[i] <= out[i])) continue;
         Span span{in[i], out[i]};

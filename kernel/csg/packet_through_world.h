@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/csg/ray_packet.h"
 #include "kernel/csg/ray_through_world.h"
 
 namespace lapidary {
@@ -28,25 +29,20 @@ public:
     // The World must have nothing transparent.
     PacketThroughWorld(const World& world, TraceStatistics& statistics);
 
-    // The first boundary of each ray, at most `width` of them; labels are left empty.
-    void first_boundaries(std::span<const Ray> rays, std::span<Boundary> boundaries);
+    // Packets must be filled up. What each ray meets first.
+    void first_boundaries(const RayPacket& rays, BoundaryPacket& boundaries);
 
     // Whether anything lies between each ray's start and its distance: bit i for ray i.
-    unsigned blocked(std::span<const Ray> rays, std::span<const double> distances);
+    unsigned blocked(const RayPacket& rays, const Lanes& distances);
 
 private:
-    struct alignas(64) Lanes {
-        std::array<double, width> v{};
-        double& operator[](int lane) { return v[static_cast<std::size_t>(lane)]; }
-        double operator[](int lane) const { return v[static_cast<std::size_t>(lane)]; }
-    };
     // Lines in a leaf's space, with the world's t at their origins.
     struct PlacedLines {
         LineBatch lines;
         Lanes anchor;
     };
 
-    void start(std::span<const Ray> rays);
+    void start(const RayPacket& rays);
     template <class Visit>
     void for_each_solid(Visit visit);
     bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, double& nearest) const;
@@ -65,18 +61,15 @@ private:
     const PlacedLines& placed_lines(std::int32_t leaf);
     void remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const;
 
-    void meet_sheets(std::span<const Ray> rays, std::span<Boundary> boundaries);
+    void meet_sheets(BoundaryPacket& boundaries);
 
     const World& world_;
     TraceStatistics& statistics_;
     RayThroughWorld single_;
     LineThroughSolid line_;
 
-    std::array<Ray, width> rays_;
-    int count_ = 0;
-    bool departs_ = false;  // some lane departs from a surface
-    Lanes origin_hi_x_, origin_hi_y_, origin_hi_z_, origin_lo_x_, origin_lo_y_, origin_lo_z_;
-    Lanes origin_x_, origin_y_, origin_z_, direction_x_, direction_y_, direction_z_;
+    RayPacket rays_;
+    Lanes origin_x_, origin_y_, origin_z_;
     Lanes relative_x_, relative_y_, relative_z_, inverse_x_, inverse_y_, inverse_z_;
     Lanes origin_size_, limit_;
     double furthest_ = 0;

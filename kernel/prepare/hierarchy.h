@@ -78,8 +78,9 @@ struct SlabLine {
         return t0 <= t1;
     }
 
-private:
     static double finite_inverse(double d) { return std::fabs(d) < 1e-300 ? std::copysign(1e300, d) : 1 / d; }
+
+private:
     static void narrow(double a, double b, double& t0, double& t1) {
         constexpr double padding = 1 + 8 * 0x1p-52;
         const double first = a < b ? a : b, last = (a < b ? b : a) * padding;

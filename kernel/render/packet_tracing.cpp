@@ -37,30 +37,31 @@ void Tracer::Implementation::light_packets(std::span<const Ray> rays, std::span<
         AimedLight light;
     };
     std::array<Shadow, width> shadows;
-    std::array<Ray, width> shadow_rays;
-    std::array<double, width> distances;
-    std::size_t waiting = 0;
+    RayPacket shadow_rays;
+    Lanes distances;
     const auto cast = [&] {
+        const int waiting = shadow_rays.count;
         if (waiting == 0) return;
-        statistics.shadow_rays += waiting;
-        const unsigned blocked = packet->blocked({shadow_rays.data(), waiting}, {distances.data(), waiting});
-        for (std::size_t k = 0; k < waiting; ++k) {
-            const AimedLight& light = shadows[k].light;
+        statistics.shadow_rays += static_cast<std::uint64_t>(waiting);
+        shadow_rays.fill_up();
+        const unsigned blocked = packet->blocked(shadow_rays, distances);
+        for (int k = 0; k < waiting; ++k) {
+            const AimedLight& light = shadows[static_cast<std::size_t>(k)].light;
             const Colour arrives = light.illumination.radiance * (blocked & (1u << k) ? Colour::black() : Colour::white());
-            lit[shadows[k].index].diffuse += light.diffuse * arrives;
-            lit[shadows[k].index].highlight += light.highlight * arrives;
+            lit[shadows[static_cast<std::size_t>(k)].index].diffuse += light.diffuse * arrives;
+            lit[shadows[static_cast<std::size_t>(k)].index].highlight += light.highlight * arrives;
         }
-        waiting = 0;
+        shadow_rays.clear();
     };
     for (const auto& light : world.lights) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!encounters[i]) continue;
             const std::optional<AimedLight> aimed = aim(*light, rays[i], *encounters[i], mirrored[i], samples[i]);
             if (!aimed) continue;
-            shadows[waiting] = {i, *aimed};
-            shadow_rays[waiting] = depart(rays[i], *encounters[i], aimed->illumination.direction);
-            distances[waiting] = aimed->illumination.distance;
-            if (++waiting == width) cast();
+            shadows[static_cast<std::size_t>(shadow_rays.count)] = {i, *aimed};
+            distances[shadow_rays.count] = aimed->illumination.distance;
+            shadow_rays.add(depart(rays[i], *encounters[i], aimed->illumination.direction));
+            if (shadow_rays.is_full()) cast();
         }
         cast();
     }
@@ -72,10 +73,15 @@ void Tracer::Implementation::radiances(std::span<const Ray> rays, std::span<cons
     std::vector<bool> meets(rays.size());
     for (std::size_t begin = 0; begin < rays.size(); begin += width) {
         const std::size_t count = std::min(width, rays.size() - begin);
-        std::array<Boundary, width> boundaries;
-        packet->first_boundaries(rays.subspan(begin, count), {boundaries.data(), count});
+        RayPacket rays_in_lanes;
+        for (const Ray& ray : rays.subspan(begin, count)) rays_in_lanes.add(ray);
+        rays_in_lanes.fill_up();
+        BoundaryPacket boundaries;
+        packet->first_boundaries(rays_in_lanes, boundaries);
         for (std::size_t k = 0; k < count; ++k) {
-            Boundary& boundary = boundaries[k];
+            Boundary boundary;
+            boundary.t = boundaries.t[static_cast<int>(k)], boundary.solid = boundaries.solid[k],
+            boundary.leaf = boundaries.leaf[k];
             if (boundary.t == infinity) continue;
             const std::size_t i = begin + k;
             meets[i] = true;

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+//
+// Eight rays in lanes: each quantity stands in one array for all of them, so that a plain loop over the lanes becomes vector
+// instructions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "kernel/interfaces/object.h"
+#include "kernel/render/ray.h"
+
+namespace lapidary {
+
+// One number for each ray of a packet.
+struct alignas(64) Lanes {
+    std::array<double, batch_size> v;
+    double& operator[](int lane) { return v[static_cast<std::size_t>(lane)]; }
+    double operator[](int lane) const { return v[static_cast<std::size_t>(lane)]; }
+};
+
+struct VectorLanes {
+    Lanes x, y, z;
+    Vector operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }
+    template <class Triple>
+    void set(int lane, const Triple& t) {
+        x[lane] = t.x, y[lane] = t.y, z[lane] = t.z;
+    }
+};
+
+struct RayPacket {
+    static constexpr int width = batch_size;
+
+    int count = 0;         // the first lanes hold rays
+    bool departs = false;  // some lane departs from a surface
+    VectorLanes anchor, offset, direction;
+    std::array<Departure, width> departure;
+    std::array<SampleKey, width> key;
+
+    void clear() { count = 0, departs = false; }
+    bool is_full() const { return count == width; }
+
+    void add(const Ray& ray) {
+        const int lane = count++;
+        anchor.set(lane, ray.origin.anchor), offset.set(lane, ray.origin.offset), direction.set(lane, ray.direction);
+        departure[static_cast<std::size_t>(lane)] = ray.departure;
+        key[static_cast<std::size_t>(lane)] = ray.key;
+        departs |= ray.departure.leaf >= 0 || ray.departure.surface_class >= 0;
+    }
+
+    Ray ray(int lane) const {
+        return {{to_point(anchor[lane]), offset[lane]},
+                direction[lane],
+                departure[static_cast<std::size_t>(lane)],
+                key[static_cast<std::size_t>(lane)]};
+    }
+
+    // Lanes without a ray repeat the first one, so that arithmetic on all lanes meets nothing strange.
+    void fill_up() {
+        for (int lane = count; lane < width; ++lane) {
+            anchor.set(lane, anchor[0]), offset.set(lane, offset[0]), direction.set(lane, direction[0]);
+            departure[static_cast<std::size_t>(lane)] = departure[0];
+            key[static_cast<std::size_t>(lane)] = key[0];
+        }
+    }
+};
+
+// Where each ray of a packet first meets something; t is infinite where it meets nothing.
+struct BoundaryPacket {
+    Lanes t;
+    std::array<std::int32_t, batch_size> solid;  // in World::solids; -1: nothing, or a sheet
+    std::array<std::int32_t, batch_size> leaf;   // whose face it is; -1: nothing, or not known
+};
+
+}  // namespace lapidary
