@@ -247,40 +247,9 @@ void PacketThroughWorld::enter_product(const Solid& solid, Lanes& t, std::array<
     }
 }
 
-// What LineThroughSolid::placed_line does, in the same order, for all lanes.
-const PacketThroughWorld::PlacedLines& PacketThroughWorld::placed_lines(std::int32_t index) {
-    if (placed_leaf_ == index) return placed_;
+const PlacedLines& PacketThroughWorld::placed_lines(std::int32_t index) {
+    if (placed_leaf_ != index) place_lines(world_.leaves[index].placement, rays_, placed_);
     placed_leaf_ = index;
-    const Transform& placement = world_.leaves[index].placement;
-    const TwoPartPoint& centre = placement.centre();
-    const Matrix3& m = placement.inverse_linear();
-    const bool identity = placement.has_identity_linear();
-    LineBatch& lines = placed_.lines;
-    for (int i = 0; i < width; ++i) {
-        const TwoPart x = two_difference(rays_.anchor.x[i], centre.anchor.x);
-        const TwoPart y = two_difference(rays_.anchor.y[i], centre.anchor.y);
-        const TwoPart z = two_difference(rays_.anchor.z[i], centre.anchor.z);
-        const double lo_x = x.lo + (rays_.offset.x[i] - centre.offset.x);
-        const double lo_y = y.lo + (rays_.offset.y[i] - centre.offset.y);
-        const double lo_z = z.lo + (rays_.offset.z[i] - centre.offset.z);
-        const double dx = rays_.direction.x[i], dy = rays_.direction.y[i], dz = rays_.direction.z[i];
-        const double world_step = -(x.hi * dx + y.hi * dy + z.hi * dz);
-        const double wx = std::fma(world_step, dx, x.hi) + lo_x;
-        const double wy = std::fma(world_step, dy, y.hi) + lo_y;
-        const double wz = std::fma(world_step, dz, z.hi) + lo_z;
-        const double lx = identity ? wx : wx * m[0][0] + wy * m[1][0] + wz * m[2][0];
-        const double ly = identity ? wy : wx * m[0][1] + wy * m[1][1] + wz * m[2][1];
-        const double lz = identity ? wz : wx * m[0][2] + wy * m[1][2] + wz * m[2][2];
-        const double ldx = identity ? dx : dx * m[0][0] + dy * m[1][0] + dz * m[2][0];
-        const double ldy = identity ? dy : dx * m[0][1] + dy * m[1][1] + dz * m[2][1];
-        const double ldz = identity ? dz : dx * m[0][2] + dy * m[1][2] + dz * m[2][2];
-        const double step = -(lx * ldx + ly * ldy + lz * ldz) / (ldx * ldx + ldy * ldy + ldz * ldz);
-        lines.closest_x[i] = std::fma(step, ldx, lx);
-        lines.closest_y[i] = std::fma(step, ldy, ly);
-        lines.closest_z[i] = std::fma(step, ldz, lz);
-        lines.direction_x[i] = ldx, lines.direction_y[i] = ldy, lines.direction_z[i] = ldz;
-        placed_.anchor[i] = world_step + step;
-    }
     return placed_;
 }
 

@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/csg/placed_lines.h"
 #include "kernel/csg/ray_packet.h"
 #include "kernel/csg/ray_through_world.h"
 
@@ -36,12 +37,6 @@ public:
     unsigned blocked(const RayPacket& rays, const Lanes& distances);
 
 private:
-    // Lines in a leaf's space, with the world's t at their origins.
-    struct PlacedLines {
-        LineBatch lines;
-        Lanes anchor;
-    };
-
     void start(const RayPacket& rays);
     template <class Visit>
     void for_each_solid(Visit visit);
