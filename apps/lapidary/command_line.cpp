@@ -77,6 +77,26 @@ std::chrono::duration<double> parse_duration(const std::string& text) {
     return std::chrono::duration<double>(value * scale);
 }
 
+// Refuses every other number and what is none: comparisons alone would let "nan" pass.
+CLI::Validator number_that_is(const char* range, bool (*holds)(double)) {
+    const auto refusal = [range, holds](const std::string& text) {
+        double value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [next, error] = std::from_chars(text.data(), end, value);
+        const bool fits = error == std::errc{} && next == end && holds(value);
+        return fits ? std::string() : fmt::format("takes numbers {}, not '{}'", range, text);
+    };
+    return {[refusal](std::string& text) { return refusal(text); }, ""};
+}
+
+CLI::Validator possible_error() {
+    return number_that_is("above 0, at most 1", [](double value) { return value > 0 && value <= 1; });
+}
+
+CLI::Validator at_least_zero() {
+    return number_that_is("from 0 up", [](double value) { return value >= 0; });
+}
+
 // Options may be given several times, each with folders separated by colons.
 std::vector<std::filesystem::path> split_folders(const std::vector<std::string>& lists) {
     std::vector<std::filesystem::path> folders;
@@ -182,7 +202,7 @@ std::optional<RenderArguments> parse_render(const Words& words) {
     app.add_option("--samples", arguments.samples, "Rays a pixel, exactly.")->type_name("N")->check(CLI::Range(1, 1 << 20));
     app.add_option("--error", arguments.error, "The estimated error of a pixel that is good enough.")
         ->type_name("E")
-        ->check(CLI::PositiveNumber);
+        ->check(possible_error());
     app.add_option("--time", time, "The best picture in that time: 30s.")->type_name("TIME");
     app.add_flag("-d,--parse-only", arguments.parse_only, "Read the scene and show what was understood; render nothing.");
     app.add_flag("-l,--log", arguments.log, "Write a log beside the picture.");
@@ -245,15 +265,15 @@ std::optional<CompareArguments> parse_compare(const Words& words) {
     const auto* const tolerance =
         app.add_option("--tolerance", arguments.tolerance, "How far a value may lie from the other one, 0 to 1.")
             ->type_name("T")
-            ->check(CLI::NonNegativeNumber);
+            ->check(at_least_zero());
     const auto* const share =
         app.add_option("--share", arguments.share, "Share of the pixels that may lie beyond the tolerance, 0 to 1.")
             ->type_name("S")
-            ->check(CLI::Range(0.0, 1.0));
+            ->check(number_that_is("from 0 to 1", [](double value) { return value >= 0 && value <= 1; }));
     app.add_option("--rmse", arguments.rmse,
                    "The largest root mean square error; without the two above, single pixels do not matter.")
         ->type_name("E")
-        ->check(CLI::NonNegativeNumber);
+        ->check(at_least_zero());
     app.add_option("--difference", difference, "Write a picture of the absolute differences.")->type_name("FILE");
     if (!parser.parse(words)) return std::nullopt;
     arguments.limits_pixels = tolerance->count() + share->count() > 0;
@@ -274,7 +294,7 @@ std::optional<ConvergeArguments> parse_converge(const Words& words) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->capture_default_str()
-        ->check(CLI::PositiveNumber);
+        ->check(possible_error());
     app.add_option("--resolution", resolution, "Pixels of the pictures; else 160 on their longer side.")->type_name("WxH");
     app.add_option("--reference-samples", arguments.reference_samples, "Rays a pixel of what is compared with.")
         ->type_name("N")
