@@ -213,6 +213,8 @@ std::optional<RenderArguments> parse_render(const Words& words) {
     app.add_flag("--preview", arguments.preview, "Draw the picture in the terminal.");
     app.add_flag("--hold", arguments.hold, "Keep the window open at the end, as is done on a terminal.");
     app.add_flag("--watch", arguments.watch, "Render again whenever the scene or an included file is saved.");
+    // For measurements; help does not show it.
+    app.add_flag("--one-by-one", arguments.one_by_one, "Trace single rays, no packets.")->group("");
     if (!parser.parse(words)) return std::nullopt;
 
     take_scene_texts(scene, arguments.scene);

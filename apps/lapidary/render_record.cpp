@@ -111,7 +111,8 @@ std::vector<std::string> statistics(const RenderRecord& record) {
     }
     if (record.stopped_after) lines.push_back(fmt::format("stopped within {:.1f} ms", 1e3 * *record.stopped_after));
     for (const Stage& stage : record.stages.all())
-        lines.push_back(fmt::format("{:<8} {:9.1f} ms", stage.name, 1e3 * stage.seconds));
+        lines.push_back(fmt::format("{:<8} {:9.1f} ms, {:.1f} ms of processor time", stage.name, 1e3 * stage.seconds,
+                                    1e3 * stage.processor_seconds));
     return lines;
 }
 

@@ -10,9 +10,10 @@ namespace {
 // The light that comes along a ray through the world.
 class WorldIntegrand final : public Integrand {
 public:
-    WorldIntegrand(const World& world, const RenderSettings& settings, double pixel_footprint, const std::atomic<bool>* cancel)
+    WorldIntegrand(const World& world, const RenderSettings& settings, double pixel_footprint, const RenderOptions& options)
         : tracer_(world, settings, pixel_footprint) {
-        tracer_.stop_when(cancel);
+        tracer_.stop_when(options.cancel);
+        tracer_.trace_one_by_one(options.one_by_one);
     }
 
     void trace(std::span<const Ray> rays, std::span<RaySample> samples) override { tracer_.trace(rays, samples); }
@@ -28,7 +29,7 @@ RenderReport render(const World& world, const Scene& scene, Frame& frame, const 
     const CameraRays camera(scene.camera, frame.width(), frame.height());
     const PixelFilter filter(scene.render.filter, scene.render.filter_radius.value_or(default_radius(scene.render.filter)));
     const auto make_integrand = [&] {
-        return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options.cancel);
+        return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options);
     };
     return render_passes(make_integrand, camera, filter, plan_sampling(scene, options), frame, options);
 }

@@ -72,8 +72,9 @@ class Lapidary:
         whole, memory, text = execute(
             [*pinned(self.cores), self.program, "-v", "-w", "-j", self.threads, "--resolution", "{}x{}".format(*size),
              "--set", "output.encoding=linear", "--set", "output.png.bits=16", *chosen, *self.options, "-o", picture, workload.ours], folder)
-        stage = lambda name: 1e-3 * found(rf"\n{name} +([\d.]+) ms", text)
-        return Run(parse=stage("load") + stage("build"), prepare=stage("prepare"), wall=stage("render"), whole=whole, memory=memory,
+        of_processor = lambda stage: 1e-3 * found(rf"\n{stage} +[\d.]+ ms, ([\d.]+) ms of processor time", text)
+        return Run(parse=of_processor("load") + of_processor("build"), prepare=of_processor("prepare"), whole=whole, memory=memory,
+                   wall=1e-3 * found(r"\nrender +([\d.]+) ms", text),
                    trace=1e-3 * found(r"traced in ([\d.]+) ms of processor time", text), picture=picture)
 
 
@@ -86,13 +87,14 @@ class PovRay:
         if shutil.which("povray") is None:
             raise Failure("povray is not installed")
 
-    def run(self, workload, size, folder, quality=ONE_SAMPLE):
-        picture = folder / f"{workload.name}-povray.png"
+    def run(self, workload, size, folder, quality=ONE_SAMPLE, portable=False):
+        """The picture is a PNG, or a PPM where it is to be `portable`."""
+        picture = folder / f"{workload.name}-povray.{'ppm' if portable else 'png'}"
         chosen = ["-A"] if quality == ONE_SAMPLE else quality
         width, height = size
         whole, memory, text = execute(
             [*pinned(self.cores), "povray", f"+I{workload.povray}", f"+L{HERE / 'povray'}", f"+O{picture}", f"+W{width}", f"+H{height}",
-             f"+WT{self.threads}", *chosen, "-D", "-V", "+FN16", "File_Gamma=1.0", f"Declare=IW={width}", f"Declare=IH={height}"], folder)
+             f"+WT{self.threads}", *chosen, "-D", "-V", "+FP16" if portable else "+FN16", "File_Gamma=1.0", f"Declare=IW={width}", f"Declare=IH={height}"], folder)
         of_processor = lambda stage: found(rf"{stage} Time:[^\n]*\n[^\n]*with ([\d.]+) CPU-seconds", text)
         return Run(parse=of_processor("Parse"), prepare=of_processor("Bounding"), trace=of_processor("Trace"), whole=whole, memory=memory,
                    wall=found(r"Trace Time:[^\n]*\(([\d.]+) seconds\)", text), picture=picture)
