@@ -8,7 +8,7 @@ import struct
 import sys
 import zlib
 
-from charts import Line
+from charts import Line, line_chart
 from programs import ONE_SAMPLE, difference
 
 OUR_QUALITIES = [ONE_SAMPLE] + [["--error", str(error)] for error in (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.0015)]
@@ -124,11 +124,9 @@ def undominated(steps):
 def equal_error(ours, theirs, rounds):
     """Of each setting of theirs that no other one beats: the ratio of their time to ours at that error."""
     medians = [(statistics.median(times), error) for times, error in zip(theirs.times, theirs.errors)]
-    best = undominated(medians)
     rows = []
-    for i, (time, error) in enumerate(medians):
-        if (time, error) not in best:
-            continue
+    for time, error in undominated(medians):
+        i = medians.index((time, error))
         times = [(ours.time_at(error, r), theirs.times[i][r]) for r in range(min(rounds, len(theirs.times[i])))]
         pairs = [(a, b) for a, b in times if a]
         rows.append({"quality": written(theirs.qualities[i]), "error": error, "theirs": time,
@@ -161,9 +159,11 @@ def table(result):
     return "\n".join(lines)
 
 
-def lines(results):
-    """Two of each workload for a chart: ours whole, POV-Ray's dashed."""
+def chart(title, results):
+    """Two lines of each workload: ours whole, POV-Ray's dashed."""
+    lines = []
     for i, result in enumerate(results):
         for whose, dashed in (("ours", False), ("theirs", True)):
-            points = [(row["error"], row["trace"]) for row in result[whose] if row["error"] > 0]
-            yield Line(result["workload"] + (", POV-Ray" if dashed else ""), points, i, dashed)
+            steps = undominated([(row["trace"], row["error"]) for row in result[whose] if row["error"] > 0])
+            lines.append(Line(result["workload"] + (", POV-Ray" if dashed else ""), [(error, time) for time, error in steps], i, dashed))
+    return line_chart(title, "RMSE in linear light", "seconds of processor time", lines)
