@@ -301,6 +301,16 @@ private:
         solid.negative_count = static_cast<std::int32_t>(negative.size());
         world_.product_leaves.insert(world_.product_leaves.end(), positive.begin(), positive.end());
         world_.product_leaves.insert(world_.product_leaves.end(), negative.begin(), negative.end());
+        put_into_blocks(solid, negative);
+    }
+
+    // Few boxes are looked at one by one.
+    void put_into_blocks(Solid& solid, std::span<const std::int32_t> negative) {
+        constexpr std::size_t few = 2;
+        if (negative.size() <= few) return;
+        std::vector<Bounds> boxes;
+        for (std::int32_t leaf : negative) boxes.push_back(world_.leaves[leaf].box);
+        solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(solid.box), world_.negative_blocks);
     }
 
     // The leaves of a tree of one operation only, where each has one span on any line.

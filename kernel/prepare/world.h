@@ -15,6 +15,7 @@
 
 #include "kernel/export.h"
 #include "kernel/math/transform.h"
+#include "kernel/prepare/box_blocks.h"
 #include "kernel/prepare/hierarchy.h"
 #include "kernel/report/messages.h"
 #include "kernel/scene/scene.h"
@@ -83,6 +84,7 @@ struct Solid {
     // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
     bool is_product = false;
     std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
+    std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
 };
 
 // A surface without inside, with the operands that clip it on the way from its leaf to the top of its tree.
@@ -116,6 +118,7 @@ public:
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
     std::vector<std::int32_t> product_leaves;
+    std::vector<BoxBlock> negative_blocks;
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;

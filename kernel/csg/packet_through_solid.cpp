@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/csg/packet_through_solid.h"
+
+#include <array>
+#include <cmath>
+
+#include "kernel/csg/departure.h"
+#include "kernel/math/roots.h"
+
+namespace lapidary {
+
+namespace {
+
+double lesser(double a, double b) { return a < b ? a : b; }
+double greater(double a, double b) { return a > b ? a : b; }
+
+// By halves, as vectors are folded.
+template <class Choose>
+double fold(const Lanes& lanes, Choose choose) {
+    std::array<double, 4> four;
+    for (int i = 0; i < 4; ++i) four[i] = choose(lanes[i], lanes[i + 4]);
+    return choose(choose(four[0], four[2]), choose(four[1], four[3]));
+}
+double least(const Lanes& lanes) { return fold(lanes, lesser); }
+double largest(const Lanes& lanes) { return fold(lanes, greater); }
+
+}  // namespace
+
+PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
+    : world_(world),
+      statistics_(statistics),
+      line_(world, statistics),
+      asked_stamp_(static_cast<std::size_t>(world.most_leaves)),
+      asked_slot_(static_cast<std::size_t>(world.most_leaves)),
+      asked_(static_cast<std::size_t>(world.most_leaves)) {}
+
+void PacketThroughSolid::start(const RayPacket& rays) {
+    rays_ = &rays;
+    placed_leaf_ = -1;
+    for (int i = 0; i < width; ++i) {
+        origin_x_[i] = rays.anchor.x[i] + rays.offset.x[i];
+        origin_y_[i] = rays.anchor.y[i] + rays.offset.y[i];
+        origin_z_[i] = rays.anchor.z[i] + rays.offset.z[i];
+        origin_size_[i] = greater(greater(std::fabs(origin_x_[i]), std::fabs(origin_y_[i])), std::fabs(origin_z_[i]));
+    }
+}
+
+void PacketThroughSolid::enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
+    if (solid.is_product) {
+        enter_product(solid, limit, t, leaf);
+        return;
+    }
+    for (int i = 0; i < width; ++i) {
+        leaf[i] = -1;
+        t[i] = infinity;
+        if (!(limit[i] >= 0)) continue;
+        line_.start(rays_->ray(i));
+        line_.select(solid);
+        t[i] = line_.enter(0);
+    }
+}
+
+double PacketThroughSolid::leave(const Solid& solid, int lane) {
+    line_.start(rays_->ray(lane));
+    line_.select(solid);
+    return line_.leave(0);
+}
+
+void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
+    Lanes in, out;
+    own_spans(world_.leaves[leaf], in, out);
+    for (int i = 0; i < width; ++i) t[i] = rays_->departure[i].leaf == leaf ? infinity : placed_.anchor[i] + in[i];
+}
+
+void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
+    // All of the positive leaves: the last entry, while none has ended.
+    const std::int32_t* positive = world_.product_leaves.data() + solid.first_product_leaf;
+    Lanes first_out;
+    for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
+    int alive = 1;
+    for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
+        Lanes in, out;
+        spans(positive[p], in, out);
+        alive = 0;
+        for (int i = 0; i < width; ++i) {
+            leaf[i] = in[i] > t[i] ? positive[p] : leaf[i];
+            t[i] = greater(in[i], t[i]);
+            first_out[i] = lesser(out[i], first_out[i]);
+            alive += t[i] < first_out[i] && t[i] <= limit[i];
+        }
+    }
+    for (int i = 0; i < width; ++i) t[i] = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
+    if (alive == 0 || solid.leaf_count == 1) return;
+
+    asked_count_ = 0;
+    if (solid.negative_count > 0) leave_negative_leaves(solid, limit, first_out, t, leaf);
+    reconsider_doubtful(solid, first_out, t, leaf);
+}
+
+// Out of the negative leaves, until none holds any lane.
+void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t,
+                                               LeafLanes& leaf) {
+    ++stamp_;
+    const std::int32_t* negative = world_.product_leaves.data() + solid.first_product_leaf + solid.positive_count;
+    Lanes unsettled;
+    unsettled.v.fill(1);
+    for (bool any_moved = true; any_moved;) {
+        const Bounds around = find_positions(solid, t, unsettled);
+        unsettled.v.fill(0);
+        any_moved = false;
+        const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, negative[n], t, unsettled, leaf); };
+        if (solid.first_negative_block >= 0) {
+            for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around, anchor_of_blocks(solid.box), visit);
+        } else {
+            for (std::int32_t n = 0; n < solid.negative_count; ++n)
+                if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);
+        }
+        for (int i = 0; i < width; ++i) t[i] = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
+    }
+}
+
+// Moves lanes that a negative leaf holds to its exit; whether there were any.
+bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf) {
+    if (!any_in_box(world_.leaves[index].box)) return false;
+    if (asked_stamp_[n] != stamp_) {
+        asked_stamp_[n] = stamp_;
+        asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);
+        NegativeLeaf& asked = asked_[asked_slot_[n]];
+        asked.leaf = index;
+        spans(index, asked.in, asked.out);
+    }
+    const NegativeLeaf& asked = asked_[asked_slot_[n]];
+    int left = 0;
+    for (int i = 0; i < width; ++i) {
+        const bool holds = asked.in[i] <= t[i] && t[i] < asked.out[i];
+        t[i] = holds ? asked.out[i] : t[i];
+        leaf[i] = holds ? index : leaf[i];
+        moved[i] = holds ? 1 : moved[i];
+        left += holds;
+    }
+    return left > 0;
+}
+
+// Where the same place is an entry of a positive leaf and an exit of negative ones, the positive one is shown; of several
+// negative ones the first. Slivers, and what rounding makes doubtful, are left to the single ray. All negative leaves whose
+// boxes are within a sliver's length were asked.
+void PacketThroughSolid::reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf) {
+    Lanes further, doubtful;
+    for (int i = 0; i < width; ++i) {
+        further[i] = t[i] + (64 * 0x1p-53 * t[i] + solid.rounding);
+        doubtful[i] = further[i] < first_out[i] ? 0 : 1;
+    }
+    for (std::size_t slot = 0; slot < asked_count_; ++slot) {
+        const NegativeLeaf& asked = asked_[slot];
+        for (int i = 0; i < width; ++i) {
+            doubtful[i] = asked.in[i] <= further[i] && further[i] < asked.out[i] ? 1 : doubtful[i];
+            leaf[i] = asked.out[i] == t[i] && leaf[i] != asked.leaf ? -1 : leaf[i];
+        }
+    }
+    int count = 0;
+    for (int i = 0; i < width; ++i) count += t[i] < infinity && doubtful[i] != 0;
+    if (count == 0) return;
+    for (int i = 0; i < width; ++i) {
+        if (!(t[i] < infinity) || doubtful[i] == 0) continue;
+        line_.start(rays_->ray(i));
+        line_.select(solid);
+        t[i] = line_.enter(0);
+        leaf[i] = -1;
+    }
+}
+
+// Where the lanes are that are not settled, and a box around all that lies within a sliver's length of them. Other lanes are
+// nowhere: a slack of -infinity keeps them out of every box.
+Bounds PacketThroughSolid::find_positions(const Solid& solid, const Lanes& t, const Lanes& unsettled) {
+    Positions& p = positions_;
+    Lanes low_x, low_y, low_z, high_x, high_y, high_z;
+    for (int i = 0; i < width; ++i) {
+        const bool counts = unsettled[i] != 0 && t[i] < infinity;
+        const double at = counts ? t[i] : 0;
+        const double slack = 0x1p-50 * (origin_size_[i] + at) + (64 * 0x1p-53 * at + solid.rounding);
+        p.slack[i] = counts ? slack : -infinity;
+        p.x[i] = origin_x_[i] + at * rays_->direction.x[i];
+        p.y[i] = origin_y_[i] + at * rays_->direction.y[i];
+        p.z[i] = origin_z_[i] + at * rays_->direction.z[i];
+        low_x[i] = p.x[i] - p.slack[i], low_y[i] = p.y[i] - p.slack[i], low_z[i] = p.z[i] - p.slack[i];
+        high_x[i] = p.x[i] + p.slack[i], high_y[i] = p.y[i] + p.slack[i], high_z[i] = p.z[i] + p.slack[i];
+    }
+    return {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
+}
+
+bool PacketThroughSolid::any_in_box(const Bounds& box) const {
+    // Counting instead of stopping keeps the lanes together.
+    const Positions& p = positions_;
+    int held = 0;
+    for (int i = 0; i < width; ++i)
+        held += (p.x[i] >= box.low.x - p.slack[i]) & (p.x[i] <= box.high.x + p.slack[i]) & (p.y[i] >= box.low.y - p.slack[i]) &
+                (p.y[i] <= box.high.y + p.slack[i]) & (p.z[i] >= box.low.z - p.slack[i]) & (p.z[i] <= box.high.z + p.slack[i]);
+    return held > 0;
+}
+
+const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
+    if (placed_leaf_ != index) place_lines(world_.leaves[index].placement, *rays_, placed_);
+    placed_leaf_ = index;
+    return placed_;
+}
+
+// A leaf's one span in every lane; an empty one ends before it begins.
+void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out) {
+    statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
+    const Leaf& leaf = world_.leaves[index];
+    if (leaf.first_surface >= 0) {
+        shared_spans(leaf, in, out);
+        return;
+    }
+    own_spans(leaf, in, out);
+    for (int i = 0; i < width; ++i) {
+        const bool empty = !(in[i] < out[i]);
+        in[i] = empty ? infinity : placed_.anchor[i] + in[i];
+        out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
+    }
+    if (rays_->departs) remove_departures(in, out, index, -1);
+}
+
+// In the leaf's own t, with placed_ set to its lines.
+void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+    placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
+    SpanBatch batch;
+    leaf.object->spans_batch(placed_.lines, width, &batch);
+    for (int i = 0; i < width; ++i) in[i] = batch.in[i], out[i] = batch.out[i];
+}
+
+void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+    for (int i = 0; i < width; ++i) in[i] = -infinity, out[i] = infinity;
+    for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
+        const SurfaceUse& use = world_.surface_uses[leaf.first_surface + s];
+        const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+        const Leaf& frame = world_.leaves[surface_class.leaf];
+        Lanes surface_in, surface_out;
+        if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
+            plane_spans(use, frame, surface_class.surface, surface_in, surface_out);
+        } else {
+            if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder) {
+                placed_lines(surface_class.leaf);
+                for (int i = 0; i < width; ++i) {
+                    const Span span = tube_span(placed_.lines.line(i), surface_class.surface.a);
+                    surface_in[i] = span.in, surface_out[i] = span.out;
+                }
+            } else {
+                own_spans(frame, surface_in, surface_out);
+            }
+            for (int i = 0; i < width; ++i) {
+                const bool empty = !(surface_in[i] < surface_out[i]);
+                surface_in[i] = empty ? infinity : placed_.anchor[i] + surface_in[i];
+                surface_out[i] = empty ? -infinity : placed_.anchor[i] + surface_out[i];
+            }
+            if (rays_->departs) remove_departures(surface_in, surface_out, -1, use.surface_class);
+        }
+        for (int i = 0; i < width; ++i) {
+            in[i] = surface_in[i] > in[i] ? surface_in[i] : in[i];
+            out[i] = surface_out[i] < out[i] ? surface_out[i] : out[i];
+        }
+    }
+    for (int i = 0; i < width; ++i)
+        if (!(in[i] < out[i])) in[i] = infinity, out[i] = -infinity;
+}
+
+void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {
+    placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
+    const LineBatch& lines = placed_.lines;
+    const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
+    for (int i = 0; i < width; ++i) {
+        const double slope = plane.a * lines.direction_x[i] + plane.b * lines.direction_y[i] + plane.c * lines.direction_z[i];
+        const double distance =
+            lines.closest_x[i] * plane.a + lines.closest_y[i] * plane.b + lines.closest_z[i] * plane.c - plane.d;
+        const double t = placed_.anchor[i] - distance / slope;
+        const bool parallel = slope == 0 || !(std::fabs(t) < infinity);
+        const bool holds = distance != 0 ? distance < 0 : side_of_shift < 0;
+        in[i] = parallel ? (holds ? -infinity : infinity) : (slope > 0 ? -infinity : t);
+        out[i] = parallel ? (holds ? infinity : -infinity) : (slope > 0 ? t : infinity);
+    }
+    if (rays_->departs)
+        for (int i = 0; i < width; ++i) {
+            const Departure& departure = rays_->departure[i];
+            if (departure.surface_class != use.surface_class) continue;
+            in[i] = departure.inward ? 0 : -infinity;
+            out[i] = departure.inward ? infinity : 0;
+        }
+    if (use.flipped)
+        for (int i = 0; i < width; ++i) {
+            // The other side of the plane, with the same t.
+            const bool everywhere = in[i] == -infinity && out[i] == infinity, nowhere = in[i] > out[i];
+            const double old_in = in[i], old_out = out[i];
+            in[i] = everywhere ? infinity : nowhere || old_in > -infinity ? -infinity : old_out;
+            out[i] = everywhere ? -infinity : nowhere ? infinity : old_in > -infinity ? old_in : infinity;
+        }
+}
+
+void PacketThroughSolid::remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const {
+    for (int i = 0; i < rays_->count; ++i) {
+        const Departure& departure = rays_->departure[i];
+        const bool departs = surface_class >= 0 ? departure.surface_class == surface_class : departure.leaf == leaf;
+        if (!departs || !(in[i] <= out[i])) continue;
+        Span span{in[i], out[i]};
+        const bool remains = remove_departure_root(&span, 1, departure.inward) > 0;
+        in[i] = remains ? span.in : infinity;
+        out[i] = remains ? span.out : -infinity;
+    }
+}
+
+}  // namespace lapidary

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+//
+// Eight rays at once through one solid of an opaque World: the same answers as LineThroughSolid, bit for bit.
+//
+// A solid in product form, inside all of its positive leaves and outside all of its negative ones, is evaluated for all lanes
+// in one go:
+//
+//     t = the largest entry of the positive leaves; while a negative leaf holds t, t = its exit; nothing where a positive leaf
+//     ends first.
+//
+// A negative leaf is asked only when the point at t of some lane lies in its box, and its box only when it overlaps the one
+// around the points of all lanes. What does not fit (other trees, a start inside, slivers) is asked of the single ray's own
+// evaluation, lane by lane.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/csg/line_through_solid.h"
+#include "kernel/csg/placed_lines.h"
+#include "kernel/csg/ray_packet.h"
+
+namespace lapidary {
+
+class LAPIDARY_API PacketThroughSolid {
+public:
+    static constexpr int width = batch_size;
+    using LeafLanes = std::array<std::int32_t, width>;
+
+    PacketThroughSolid(const World& world, TraceStatistics& statistics);
+
+    // The packet must be filled up, and stay where it is until the next start.
+    void start(const RayPacket& rays);
+
+    // The first entry of every lane into a solid, as far as it is not beyond its limit, and the leaf entered by or, of negative
+    // ones, left; -1 where that is not known. A start inside is an entry at 0.
+    void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
+    // The way out of a solid that a lane starts in.
+    double leave(const Solid& solid, int lane);
+    // Where every lane meets a sheet that shares no plane.
+    void cross_sheet(std::int32_t leaf, Lanes& t);
+
+private:
+    // Where the lanes are at some t each, for tests against boxes.
+    struct Positions {
+        Lanes x, y, z, slack;
+    };
+
+    void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
+    void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
+    void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
+    Bounds find_positions(const Solid& solid, const Lanes& t, const Lanes& unsettled);
+    bool any_in_box(const Bounds& box) const;
+    bool leave_negative_leaf(std::int32_t slot, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf);
+
+    // Empty spans have in > out.
+    void spans(std::int32_t leaf, Lanes& in, Lanes& out);
+    void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out);
+    void own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
+    void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
+    const PlacedLines& placed_lines(std::int32_t leaf);
+    void remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const;
+
+    const World& world_;
+    TraceStatistics& statistics_;
+    LineThroughSolid line_;
+
+    const RayPacket* rays_ = nullptr;
+    Lanes origin_x_, origin_y_, origin_z_, origin_size_;
+
+    std::int32_t placed_leaf_ = -1;
+    PlacedLines placed_;
+
+    // The negative leaves of the solid under way that were asked so far.
+    struct NegativeLeaf {
+        std::int32_t leaf = -1;
+        Lanes in, out;
+    };
+    Positions positions_;
+    std::uint64_t stamp_ = 0;
+    std::vector<std::uint64_t> asked_stamp_;
+    std::vector<std::int32_t> asked_slot_;
+    std::vector<NegativeLeaf> asked_;
+    std::size_t asked_count_ = 0;
+};
+
+}  // namespace lapidary
