@@ -66,14 +66,17 @@ private:
     }
 
     std::string table() const {
-        std::size_t width = 4;
-        for (const Row& row : rows_) width = std::max(width, row.question.what.size());
-        std::string text = fmt::format("\n{:<5}{:<{}}  {:>9} {:>9}  {:<16} {:>9} {:>8} {:>9}\n", "test", "what", width, "worst",
-                                       "bound", "unit", "cases", "failures", "a case");
+        std::size_t name = 4, width = 4;
+        for (const auto& [question, findings] : rows_) {
+            name = std::max(name, question.test.size());
+            width = std::max(width, question.what.size());
+        }
+        std::string text = fmt::format("\n{:<{}}  {:<{}}  {:>9} {:>9}  {:<16} {:>9} {:>8} {:>9}\n", "test", name, "what", width,
+                                       "worst", "bound", "unit", "cases", "failures", "a case");
         for (const auto& [question, findings] : rows_) {
             const bool measured = !question.unit.empty();
-            text += fmt::format("{:<5}{:<{}}  {:>9} {:>9}  {:<16} {:>9} {:>8} {:>9}\n", question.test, question.what, width,
-                                measured ? fmt::format("{:.3g}", findings.worst) : "",
+            text += fmt::format("{:<{}}  {:<{}}  {:>9} {:>9}  {:<16} {:>9} {:>8} {:>9}\n", question.test, name, question.what,
+                                width, measured ? fmt::format("{:.3g}", findings.worst) : "",
                                 measured ? fmt::format("{:.3g}", question.bound) : "", question.unit, findings.cases,
                                 findings.failures, findings.timed ? duration(findings.nanoseconds / findings.timed) : "");
         }
