@@ -21,6 +21,8 @@ in scenes/ and povray/. What is drawn at random is the same on every machine.
 import dataclasses
 import math
 import pathlib
+import re
+import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -262,32 +264,33 @@ class PovRay:
 LANGUAGES = {".scene": Lapidary(), ".pov": PovRay()}
 
 
+GENERATED = re.compile(r"(dice|dice-cut|(spheres|cheese)-([1-9]\d*))")
+
+
+def check(name):
+    if name not in WRITTEN and not GENERATED.fullmatch(name):
+        raise ValueError(f"no workload '{name}': there are spheres-N, dice, dice-cut, cheese-N, {', '.join(WRITTEN)}")
+
+
 def describe(name):
-    """The scene of that name; nothing if it is a written one."""
-    kind, _, n = name.partition("-")
-    if name in WRITTEN:
-        return None
-    if name == "dice":
-        return dice()
-    if name == "dice-cut":
-        return dice_cut()
-    if kind in ("spheres", "cheese") and n.isdigit() and int(n) > 0:
-        return {"spheres": spheres, "cheese": cheese}[kind](int(n))
-    raise ValueError(f"no workload '{name}': there are spheres-N, dice, dice-cut, cheese-N, {', '.join(WRITTEN)}")
+    """The scene of that name, which is none of the written ones."""
+    _, many, n = GENERATED.fullmatch(name).groups()
+    if many:
+        return {"spheres": spheres, "cheese": cheese}[many](int(n))
+    return {"dice": dice, "dice-cut": dice_cut}[name]()
 
 
 def files(name, folder):
     """Our scene and POV-Ray's, written to the folder unless they are there already."""
     if name in WRITTEN:
         return HERE / "scenes" / f"{name}.scene", HERE / "povray" / f"{name}.pov"
-    scene, paths = None, []
-    for suffix in LANGUAGES:
-        path = folder / (name + suffix)
+    check(name)
+    paths = tuple(folder / (name + suffix) for suffix in LANGUAGES)
+    for path in paths:
         if not path.exists():
-            scene = scene or describe(name)
-            path.write_text("\n".join(LANGUAGES[suffix].scene(scene)) + "\n")
-        paths.append(path)
-    return tuple(paths)
+            # In a process of its own: the peak memory of a process counts what its parent held when it began.
+            subprocess.run([sys.executable, __file__, name, path], check=True)
+    return paths
 
 
 def main():
@@ -295,9 +298,10 @@ def main():
     if path is None or path.suffix not in LANGUAGES or sys.argv[1] in WRITTEN:
         sys.exit(__doc__)
     try:
-        scene = describe(sys.argv[1])
+        check(sys.argv[1])
     except ValueError as error:
         sys.exit(f"workloads: {error}")
+    scene = describe(sys.argv[1])
     path.write_text("\n".join(LANGUAGES[path.suffix].scene(scene)) + "\n")
 
 
