@@ -4,6 +4,7 @@
 #pragma once
 
 #include "kernel/export.h"
+#include "kernel/interfaces/object.h"
 #include "kernel/math/colour.h"
 #include "kernel/math/vector.h"
 
@@ -20,6 +21,25 @@ struct LightSample {
     double u = 0.5, v = 0.5;
 };
 
+// The same for eight points at once.
+struct alignas(64) LightSampleBatch {
+    double u[batch_size], v[batch_size];
+
+    LightSample sample(int lane) const { return {u[lane], v[lane]}; }
+};
+
+struct alignas(64) IlluminationBatch {
+    double direction_x[batch_size], direction_y[batch_size], direction_z[batch_size];
+    double distance[batch_size];
+    double r[batch_size], g[batch_size], b[batch_size];  // radiance
+
+    void set(int lane, const Illumination& i) {
+        direction_x[lane] = i.direction.x, direction_y[lane] = i.direction.y, direction_z[lane] = i.direction.z;
+        distance[lane] = i.distance;
+        r[lane] = i.radiance.r, g[lane] = i.radiance.g, b[lane] = i.radiance.b;
+    }
+};
+
 class LAPIDARY_API Light {
 public:
     Light() = default;
@@ -28,6 +48,9 @@ public:
     virtual ~Light();
 
     virtual Illumination toward(const Point& point, const LightSample& sample) const = 0;
+
+    // The same for the first `count` lanes of a batch. The default asks toward() for each lane.
+    virtual void toward_batch(const PointBatch& points, const LightSampleBatch& samples, int count, IlluminationBatch* out) const;
 
     // Light from everywhere, without direction or shadow.
     virtual bool is_ambient() const { return false; }

@@ -22,6 +22,13 @@ void Object::spans_batch(const LineBatch& lines, int count, SpanBatch* out) cons
     }
 }
 
+void Object::normals_batch(const PointBatch& points, int count, NormalBatch* out) const {
+    for (int lane = 0; lane < count; ++lane) {
+        const Point point = points.point(lane);
+        out->set(lane, normal({point, face(point)}));
+    }
+}
+
 int Object::face(const Point&) const { return 0; }
 
 Surfaces Object::surfaces() const { return {}; }

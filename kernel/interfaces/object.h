@@ -48,6 +48,18 @@ struct alignas(64) LineBatch {
     }
 };
 
+struct alignas(64) PointBatch {
+    double x[batch_size], y[batch_size], z[batch_size];
+
+    Point point(int lane) const { return {x[lane], y[lane], z[lane]}; }
+};
+
+struct alignas(64) NormalBatch {
+    double x[batch_size], y[batch_size], z[batch_size];
+
+    void set(int lane, const Normal& n) { x[lane] = n.x, y[lane] = n.y, z[lane] = n.z; }
+};
+
 struct alignas(64) SpanBatch {
     double in[batch_size], out[batch_size];  // empty: in >= out
 };
@@ -105,6 +117,10 @@ public:
 
     // The outward normal at a point of a face, of any length.
     virtual Normal normal(const Hit& hit) const = 0;
+
+    // The normals at the first `count` points of a batch, each of the face nearest to it. The default asks face() and
+    // normal() for each lane.
+    virtual void normals_batch(const PointBatch& points, int count, NormalBatch* out) const;
 
     // The solid's faces as known surfaces, or nothing where they are of another kind.
     virtual Surfaces surfaces() const;

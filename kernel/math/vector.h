@@ -5,7 +5,9 @@
 // direction that stands on a surface and transforms with the inverse transpose.
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace lapidary {
@@ -74,16 +76,24 @@ inline double length(const Vector& v) { return std::sqrt(dot(v, v)); }
 // The distance of a point from the origin of its space.
 inline double length(const Point& p) { return std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z); }
 
+// The power of two that brings a positive size to about 1; multiplying by it rounds nothing. Read off the exponent's bits:
+// without a branch, so that a loop over lanes stays vector instructions.
+inline double scale_to_one(double size) {
+    constexpr std::uint64_t largest_exponent = 2045;  // as it stands in the bits; keeps the inverse's above 0
+    const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(size) >> 52) & 2047;
+    return std::bit_cast<double>((2046 - (exponent < largest_exponent ? exponent : largest_exponent)) << 52);
+}
+
 // The unit vector along v. Scaled by a power of two first, so that neither 1e-300 nor 1e300 is lost;
-// the zero vector stays zero.
+// the zero vector stays zero, and so does what is not finite.
 inline Vector normalize(const Vector& v) {
-    const double largest = std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
-    if (!(largest > 0) || !(largest < infinity)) return {0, 0, 0};
-    if (largest > 1e-140 && largest < 1e140) return v / length(v);
-    int exponent = 0;
-    (void)std::frexp(largest, &exponent);
-    const Vector scaled{std::ldexp(v.x, -exponent), std::ldexp(v.y, -exponent), std::ldexp(v.z, -exponent)};
-    return scaled / length(scaled);
+    const double x = std::fabs(v.x), y = std::fabs(v.y), z = std::fabs(v.z);
+    const double larger = x > y ? x : y, largest = larger > z ? larger : z;
+    const Vector scaled = scale_to_one(largest) * v;
+    const double length_of_scaled = length(scaled);
+    const bool has_direction = largest > 0 && length_of_scaled < infinity;
+    const Vector unit = scaled / length_of_scaled;
+    return {has_direction ? unit.x : 0, has_direction ? unit.y : 0, has_direction ? unit.z : 0};
 }
 
 inline Normal normalize(const Normal& n) { return Normal(normalize(to_vector(n))); }

@@ -13,6 +13,29 @@ namespace lapidary {
 // Takes the drift of rounding out of a vector that is of unit length but for rounding: one Newton step.
 inline Vector renormalize(const Vector& v) { return (1.5 - 0.5 * dot(v, v)) * v; }
 
+inline constexpr double largest_whole_exponent = 128;
+
+inline bool is_small_whole(double exponent) {
+    return exponent >= 0 && exponent <= largest_whole_exponent && exponent == std::floor(exponent);
+}
+
+// cosine^exponent, by repeated squaring.
+inline double whole_power(double cosine, int exponent) {
+    double power = 1;
+    for (int n = exponent; n > 0; n >>= 1, cosine *= cosine)
+        if (n & 1) power *= cosine;
+    return power;
+}
+
+// Since ln c <= c - 1, c^e <= exp(e (c - 1)): whether that is below the smallest number.
+inline bool power_vanishes(double cosine, double exponent) { return exponent * (1 - cosine) > 746; }
+
+// cosine^exponent for a cosine from 0 on: how bright a highlight is.
+inline double highlight(double cosine, double exponent) {
+    if (power_vanishes(cosine, exponent)) return 0;
+    return is_small_whole(exponent) ? whole_power(cosine, static_cast<int>(exponent)) : std::pow(cosine, exponent);
+}
+
 // The direction mirrored at a plane with unit normal n.
 inline Vector mirror(const Vector& direction, const Normal& n) {
     return renormalize(direction - 2 * dot(direction, n) * to_vector(n));

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "kernel/render/optics.h"
+#include "kernel/render/packet_paths.h"
 #include "kernel/render/sampler.h"
 #include "kernel/render/tracer_implementation.h"
 
@@ -26,10 +27,6 @@ Normal relief_in_world(const MaterialInstance& instance, const Matter& matter) {
     return instance.placement.to_parent(Normal(matter.relief));
 }
 
-// Behind a face and on along the ray: where it meets an edge between regions of a texture, matter is that of the region which
-// it goes on in.
-Vector ahead(const Ray& ray, const Normal& toward_viewer) { return ray.direction - to_vector(toward_viewer); }
-
 // A face that neither bends, mirrors nor covers what is behind it.
 bool lets_pass(const Encounter& e) {
     return e.matter.is_transparent() && e.index_before == e.index_behind && e.matter.opacity == 0 && e.matter.reflection == 0;
@@ -46,12 +43,13 @@ double Tracer::Implementation::index_of(const Label& label, const MatterSite& si
 }
 
 // n - (relief - (relief . n) n), normalised; a normal that would face away from the viewer is bent back to the horizon.
-void Tracer::Implementation::bend_normal(const Ray& ray, const Normal& relief, Encounter& e) const {
-    const Vector n = to_vector(e.geometric), g = to_vector(relief);
+Normal Tracer::Implementation::bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
+                                           const Matter& matter) {
+    const Vector n = to_vector(geometric), g = to_vector(relief_in_world(instance, matter));
     Vector bent = normalize(n - (g - dot(g, n) * n));
-    const double away = dot(bent, ray.direction);
-    if (away > 0) bent = normalize(bent - away * ray.direction);
-    if (length_squared(bent) > 0) e.shading = Normal(bent);
+    const double away = dot(bent, arriving);
+    if (away > 0) bent = normalize(bent - away * arriving);
+    return length_squared(bent) > 0 ? Normal(bent) : geometric;
 }
 
 // The material that a boundary shows: its leaf's own, else the innards, those of the solid side.
@@ -82,7 +80,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
 
     // The face shows its own material, else the innards; matter is sampled on its solid side.
     const MatterSite site{e.point, pixel_footprint * e.travelled};
-    const Vector beyond = ahead(ray, e.geometric);
+    const Vector beyond = ahead(ray.direction, e.geometric);
     std::int32_t shown = shown_at(boundary);
     if (shown < 0) return std::nullopt;
     // A sheet has no inside: it is sampled behind its normal, whichever side is looked at.
@@ -105,7 +103,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
             e.index_before = index_of(boundary.before, site, -beyond, nullptr);
         }
     }
-    if (world.features.relief) bend_normal(ray, relief_in_world(world.materials[shown], e.matter), e);
+    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, world.materials[shown], e.matter);
     if (first && first->object == 0) {
         first->depth = e.travelled;
         first->normal = e.shading;
@@ -129,14 +127,14 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
     e.travelled = travelled + crossing.t;
 
     const MatterSite site{e.point, pixel_footprint * e.travelled};
-    const Vector beyond = ahead(ray, e.geometric);
+    const Vector beyond = ahead(ray.direction, e.geometric);
     e.matter = matter_beside(medium, site, beyond);
     if (e.matter.is_transparent()) {
         const Matter before = matter_beside(medium, site, -beyond);
         e.index_before = before.is_transparent() ? before.refraction : 1;
         e.index_behind = e.matter.refraction;
     }
-    if (world.features.relief) bend_normal(ray, relief_in_world(medium, e.matter), e);
+    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, medium, e.matter);
     return e;
 }
 
@@ -214,7 +212,7 @@ std::optional<AimedLight> Tracer::Implementation::aim(const Light& light, const 
     if (!is_black(aimed.illumination.radiance) && cosine > 0) {
         // (R . V)^shininess, with R . V = the light against the mirrored view.
         const bool needs_diffuse = !e.matter.is_transparent() || e.matter.opacity > 0;
-        aimed.highlight = std::pow(std::fmax(0, dot(mirrored, direction)), e.matter.shininess);
+        aimed.highlight = highlight(std::fmax(0, dot(mirrored, direction)), e.matter.shininess);
         aimed.diffuse = needs_diffuse ? std::fmax(0, cosine - aimed.highlight) : 0;
         // Light from behind an opaque face or a sheet is blocked by it.
         const bool behind = dot(e.geometric, direction) <= 0 && (e.is_sheet || !e.matter.is_transparent());
@@ -241,11 +239,8 @@ Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
     return lit;
 }
 
-// Off a bent normal the mirrored ray may point into the surface: it is turned back out.
 Vector Tracer::Implementation::mirrored_direction(const Ray& ray, const Encounter& e) const {
-    const Vector direction = mirror(ray.direction, e.shading);
-    const double below = dot(direction, e.geometric);
-    return below < 0 ? renormalize(direction - 2 * below * to_vector(e.geometric)) : direction;
+    return turned_out(mirror(ray.direction, e.shading), e.geometric);
 }
 
 // Follows a path from an encounter, or ends it with the background where it counts too little.
@@ -334,6 +329,12 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     return gathered;
 }
 
+Tracer::Implementation::Implementation(const World& w, const RenderSettings& s, double footprint)
+    : world(w), settings(s), pixel_footprint(footprint), ray_through_world(w, statistics), shadow_through_world(w, statistics) {
+    if (!world.features.transparency) packets = std::make_unique<PacketPaths>(*this);
+}
+Tracer::Implementation::~Implementation() = default;
+
 Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_footprint)
     : implementation_(std::make_unique<Implementation>(world, settings, pixel_footprint)) {}
 Tracer::~Tracer() = default;
@@ -342,11 +343,8 @@ void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
     Implementation& tracer = *implementation_;
     tracer.statistics.camera_rays += rays.size();
     std::fill(samples.begin(), samples.end(), RaySample{});
-    if (tracer.packet && !tracer.observer && !tracer.one_by_one) {
-        const std::vector<Path> paths(rays.size());
-        std::vector<Colour> colours(rays.size());
-        tracer.radiances(rays, paths, colours, samples);
-        for (std::size_t i = 0; i < rays.size(); ++i) samples[i].colour = colours[i];
+    if (tracer.packets && !tracer.observer && !tracer.one_by_one) {
+        tracer.packets->trace(rays, samples);
         return;
     }
     for (std::size_t i = 0; i < rays.size() && !tracer.is_stopped(); ++i) {

@@ -85,6 +85,7 @@ public:
     void observe(std::function<void(const PathEvent&)> observer);
 
 private:
+    friend class PacketPaths;
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
 };

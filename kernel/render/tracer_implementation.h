@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
 // The inside of a Tracer: one path at a time (tracer.cpp), and packets of paths where nothing is transparent
-// (packet_tracing.cpp). Both do the same arithmetic in the same order; the single path is the oracle of the packets.
+// (packet_paths.h). Both do the same arithmetic in the same order; the single path is the oracle of the packets.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 
-#include "kernel/csg/packet_through_world.h"
 #include "kernel/csg/ray_through_world.h"
 #include "kernel/interfaces/light.h"
 #include "kernel/prepare/world.h"
 #include "kernel/render/medium.h"
+#include "kernel/render/optics.h"
 #include "kernel/render/tracer.h"
 #include "kernel/scene/scene.h"
 
@@ -56,22 +57,18 @@ struct Lit {
     Colour ambient, diffuse, highlight;
 };
 
+class PacketPaths;
+
 struct Tracer::Implementation {
-    Implementation(const World& w, const RenderSettings& s, double footprint)
-        : world(w),
-          settings(s),
-          pixel_footprint(footprint),
-          ray_through_world(w, statistics),
-          shadow_through_world(w, statistics) {
-        if (!world.features.transparency) packet.emplace(world, statistics);
-    }
+    Implementation(const World& w, const RenderSettings& s, double footprint);
+    ~Implementation();
 
     const World& world;
     const RenderSettings& settings;
     double pixel_footprint;
     TraceStatistics statistics;
     RayThroughWorld ray_through_world, shadow_through_world;
-    std::optional<PacketThroughWorld> packet;  // where nothing is transparent
+    std::unique_ptr<PacketPaths> packets;  // where nothing is transparent
     bool one_by_one = false;
     std::function<void(const PathEvent&)> observer;
     const std::atomic<bool>* stop = nullptr;
@@ -85,17 +82,21 @@ struct Tracer::Implementation {
     Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path,
                          Turn turn);
 
-    // The same as radiance() for many rays of an opaque World, in packets (packet_tracing.cpp).
-    void radiances(std::span<const Ray> rays, std::span<const Path> paths, std::span<Colour> colours, std::span<RaySample> first);
-    void light_packets(std::span<const Ray> rays, std::span<const Path> paths,
-                       std::span<const std::optional<Encounter>> encounters, std::span<Lit> lit);
-
     void tell_observer(const Ray& ray, const Encounter& encounter, const Path& path, const Colour& passed) const;
 
     std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
     std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
                                                 double travelled);
-    void bend_normal(const Ray& ray, const Normal& relief, Encounter& encounter) const;
+    // Behind a face and on along the ray: where it meets an edge between regions of a texture, matter is that of the region
+    // which it goes on in.
+    static Vector ahead(const Vector& arriving, const Normal& geometric) { return arriving - to_vector(geometric); }
+    static Normal bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
+                              const Matter& matter);
+    // Off a bent normal the mirrored ray may point into the surface: it is turned back out.
+    static Vector turned_out(const Vector& mirrored, const Normal& geometric) {
+        const double below = dot(mirrored, geometric);
+        return below < 0 ? renormalize(mirrored - 2 * below * to_vector(geometric)) : mirrored;
+    }
     double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
     Lit light(const Ray& ray, const Encounter& encounter);
     // What a light would add to an encounter if nothing stood between; nothing where that is nothing.

@@ -8,6 +8,8 @@
 // instructions; early returns do not hinder it.
 #pragma once
 
+#include <type_traits>
+
 #include "kernel/interfaces/object.h"
 #include "kernel/math/roots.h"
 
@@ -33,7 +35,22 @@ public:
         }
     }
 
+    void normals_batch(const PointBatch& points, int, NormalBatch* __restrict out) const final {
+        for (int lane = 0; lane < batch_size; ++lane) {
+            const Point point = points.point(lane);
+            out->set(lane, solid().Solid::normal({point, face_of(point)}));
+        }
+    }
+
 private:
+    // A direct call, or none where the solid has one face only.
+    int face_of(const Point& point) const {
+        if constexpr (std::is_same_v<decltype(&Solid::face), decltype(&Object::face)>)
+            return 0;
+        else
+            return solid().Solid::face(point);
+    }
+
     const Solid& solid() const { return static_cast<const Solid&>(*this); }
 };
 

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: MIT
+#include "kernel/render/packet_paths.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "kernel/csg/placed_lines.h"
+#include "kernel/render/optics.h"
+#include "kernel/render/sampler.h"
+
+namespace lapidary {
+
+// ---- waves -----------------------------------------------------------------------------------------------------------
+
+void PacketPaths::Wave::clear() {
+    count = 0;
+    for (RayPacket& packet : rays) packet.clear();
+}
+
+void PacketPaths::Wave::add(const Ray& ray, const Path& path) {
+    paths[count] = path;
+    rays[count / width].add(ray);
+    ++count;
+}
+
+void PacketPaths::Wave::fill_up() {
+    if (count % width != 0) rays[count / width].fill_up();
+}
+
+PacketPaths::PacketPaths(Tracer::Implementation& tracer)
+    : tracer_(tracer),
+      world_(tracer.world),
+      packet_(tracer.world, tracer.statistics),
+      extended_lights_(static_cast<std::uint32_t>(
+          std::count_if(world_.lights.begin(), world_.lights.end(), [](const auto& light) { return light->has_extent(); }))) {}
+
+void PacketPaths::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
+    if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
+    Wave& wave = *waves_[0];
+    for (std::size_t begin = 0; begin < rays.size() && !tracer_.is_stopped(); begin += wave_size) {
+        wave.clear();
+        for (const Ray& ray : rays.subspan(begin, std::min<std::size_t>(wave_size, rays.size() - begin))) wave.add(ray, Path{});
+        const auto part = samples.subspan(begin, static_cast<std::size_t>(wave.count));
+        trace_wave(0, part);
+        for (std::size_t i = 0; i < part.size(); ++i) part[i].colour = wave.colours[i];
+    }
+}
+
+void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
+    Wave& wave = *waves_[depth];
+    wave.fill_up();
+    for (int p = 0; p * width < wave.count; ++p) packet_.first_boundaries(wave.rays[p], wave.boundaries[p]);
+    face_packets_ = 0;
+    collect_faces(wave, first);
+    light_faces();
+    finish_colours(depth);
+
+    if (waves_.size() <= depth + 1 || waves_[depth + 1]->count == 0 || tracer_.is_stopped()) return;
+    Wave& next = *waves_[depth + 1];
+    trace_wave(depth + 1, {});
+    for (int i = 0; i < next.count; ++i) wave.colours[next.sender[i]] += next.reflection[i] * next.colours[i];
+}
+
+// ---- faces -----------------------------------------------------------------------------------------------------------
+
+PacketPaths::FacePacket& PacketPaths::new_faces() {
+    if (face_packets_ == faces_.size()) faces_.push_back(std::make_unique<FacePacket>());
+    FacePacket& faces = *faces_[face_packets_++];
+    faces.count = 0;
+    return faces;
+}
+
+// Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, its position was computed
+// in the leaf's own frame, and the solid it bounds is of one medium.
+bool PacketPaths::is_plain(const Wave& wave, int ray) const {
+    if (wave.leaf(ray) < 0 || wave.solid(ray) < 0) return false;
+    const Leaf& leaf = world_.leaves[wave.leaf(ray)];
+    return leaf.first_surface < 0 && (leaf.appearance >= 0 || !world_.solids[wave.solid(ray)].has_interfaces);
+}
+
+void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
+    single_faces_ = nullptr;
+    std::uint64_t waiting = 0;
+    for (int i = 0; i < wave.count; ++i) {
+        if (wave.t(i) < infinity)
+            waiting |= std::uint64_t{1} << i;
+        else
+            wave.colours[i] = world_.background;
+    }
+    while (waiting != 0) {
+        const int ray = std::countr_zero(waiting);
+        if (is_plain(wave, ray)) {
+            meet_plain_faces(wave, waiting, first);
+        } else {
+            waiting &= waiting - 1;
+            meet_single_face(wave, ray, first);
+        }
+    }
+    if (single_faces_) single_faces_->fill_up();
+}
+
+// The first waiting ray's face, together with those of other rays that meet the same leaf.
+void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first) {
+    const int leader = std::countr_zero(waiting);
+    const std::int32_t index = wave.leaf(leader);
+    const Leaf& leaf = world_.leaves[index];
+    const Solid& solid = world_.solids[wave.solid(leader)];
+    const std::int32_t shown =
+        leaf.appearance >= 0 ? leaf.appearance : world_.leaves[world_.product_leaves[solid.first_product_leaf]].medium;
+    const MaterialInstance& material = world_.materials[shown];
+
+    FacePacket& faces = new_faces();
+    RayPacket rays;
+    Lanes t;
+    for (std::uint64_t rest = waiting; rest != 0 && !faces.is_full(); rest &= rest - 1) {
+        const int ray = std::countr_zero(rest);
+        if (wave.leaf(ray) != index) continue;
+        waiting &= ~(std::uint64_t{1} << ray);
+        const int lane = faces.count++;
+        rays.add(wave.ray(ray));
+        t[lane] = wave.t(ray);
+        faces.ray[lane] = ray;
+        faces.travelled[lane] = wave.paths[ray].travelled + t[lane];
+        faces.departure[lane] = {index, -1, false};
+        faces.key[lane] = rays.key[lane];
+        faces.light_samples[lane] = extended_lights_ * static_cast<std::uint32_t>(wave.paths[ray].depth);
+    }
+    rays.fill_up();
+    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
+    place_faces(leaf, rays, t, faces);
+    give_matter(material, faces);
+
+    if (first.empty()) return;
+    for (int lane = 0; lane < faces.count; ++lane) {
+        RaySample& sample = first[static_cast<std::size_t>(faces.ray[lane])];
+        sample.depth = faces.travelled[lane];
+        sample.normal = Normal(faces.shading[lane]);
+        sample.position = faces.points.point(lane);
+        sample.object = leaf.number;
+        sample.material = material.number;
+    }
+}
+
+// LineThroughSolid::face_at for all lanes.
+void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
+    PlacedLines placed;
+    place_lines(leaf.placement, rays, placed);
+    SpanBatch spans;
+    leaf.object->spans_batch(placed.lines, width, &spans);
+
+    // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
+    PointBatch local;
+    for (int i = 0; i < width; ++i) {
+        const double anchor = placed.anchor[i];
+        double local_t = t[i] - anchor;
+        local_t = anchor + spans.in[i] == t[i] ? spans.in[i] : local_t;
+        local_t = anchor + spans.out[i] == t[i] ? spans.out[i] : local_t;
+        const LineBatch& lines = placed.lines;
+        local.x[i] = std::fma(local_t, lines.direction_x[i], lines.closest_x[i]);
+        local.y[i] = std::fma(local_t, lines.direction_y[i], lines.closest_y[i]);
+        local.z[i] = std::fma(local_t, lines.direction_z[i], lines.closest_z[i]);
+    }
+    NormalBatch normals;
+    leaf.object->normals_batch(local, width, &normals);
+
+    const Transform placement = leaf.placement;
+    const TwoPartPoint& centre = placement.centre();
+    for (int i = 0; i < width; ++i) {
+        const Vector offset = placement.to_parent(to_vector(local.point(i))) + centre.offset;
+        const Normal outward = normalize(placement.to_parent(Normal(normals.x[i], normals.y[i], normals.z[i])));
+        const Vector arriving = rays.direction[i];
+        const double sign = dot(outward, arriving) > 0 ? -1 : 1;
+        faces.anchor.set(i, centre.anchor), faces.offset.set(i, offset);
+        faces.points.x[i] = centre.anchor.x + offset.x;
+        faces.points.y[i] = centre.anchor.y + offset.y;
+        faces.points.z[i] = centre.anchor.z + offset.z;
+        faces.arriving.set(i, arriving);
+        faces.outward.set(i, outward);
+        faces.geometric.set(i, Vector{sign * outward.x, sign * outward.y, sign * outward.z});
+    }
+    faces.shading = faces.geometric;
+}
+
+void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& faces) {
+    if (material.is_uniform) {
+        const Matter& matter = material.matter;
+        for (int i = 0; i < width; ++i) {
+            faces.colour.set(i, matter.colour);
+            faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
+        }
+        return;
+    }
+    for (int i = 0; i < faces.count; ++i) {
+        const Vector arriving = faces.arriving[i];
+        const Normal geometric(faces.geometric[i]);
+        const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
+        const Matter matter = matter_beside(material, site, Tracer::Implementation::ahead(arriving, geometric));
+        faces.colour.set(i, matter.colour);
+        faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
+        if (world_.features.relief)
+            faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
+    }
+    for (int i = faces.count; i < width; ++i) {
+        faces.colour.set(i, faces.colour[0]);
+        faces.reflection[i] = faces.reflection[0], faces.shininess[i] = faces.shininess[0];
+    }
+}
+
+// What is not plain is asked of the single ray.
+void PacketPaths::meet_single_face(Wave& wave, int ray, std::span<RaySample> first) {
+    const Ray single = wave.ray(ray);
+    Boundary boundary;
+    boundary.t = wave.t(ray), boundary.solid = wave.solid(ray), boundary.leaf = wave.leaf(ray);
+    tracer_.ray_through_world.start(single);
+    if (!boundary.is_sheet()) tracer_.ray_through_world.complete_opaque(boundary);
+    RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)];
+    const Path& path = wave.paths[ray];
+    const std::optional<Encounter> encounter = tracer_.encounter_face(single, boundary, path.travelled, sample);
+    if (!encounter) {
+        // A boundary without a face is one that rounding undid: the single path knows how to go on.
+        tracer_.light_samples = extended_lights_ * static_cast<std::uint32_t>(path.depth);
+        wave.colours[ray] = tracer_.radiance(single, path, sample);
+        return;
+    }
+    if (!single_faces_ || single_faces_->is_full()) single_faces_ = &new_faces();
+    single_faces_->add(wave, ray, *encounter);
+    single_faces_->light_samples[single_faces_->count - 1] = extended_lights_ * static_cast<std::uint32_t>(path.depth);
+}
+
+void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter& e) {
+    const int lane = count++;
+    ray[lane] = number;
+    anchor.set(lane, e.point.anchor), offset.set(lane, e.point.offset);
+    const Point rounded = e.point.rounded();
+    points.x[lane] = rounded.x, points.y[lane] = rounded.y, points.z[lane] = rounded.z;
+    const RayPacket& rays = wave.rays[number / width];
+    arriving.set(lane, rays.direction[number % width]);
+    outward.set(lane, e.outward), geometric.set(lane, e.geometric), shading.set(lane, e.shading);
+    travelled[lane] = e.travelled;
+    colour.set(lane, e.matter.colour);
+    reflection[lane] = e.matter.reflection, shininess[lane] = e.matter.shininess;
+    departure[lane] = e.departure;
+    key[lane] = rays.key[number % width];
+}
+
+// The lanes without a face get what arithmetic can take.
+void PacketPaths::FacePacket::fill_up() {
+    for (int lane = count; lane < width; ++lane) {
+        points.x[lane] = points.x[0], points.y[lane] = points.y[0], points.z[lane] = points.z[0];
+        arriving.set(lane, arriving[0]), outward.set(lane, outward[0]);
+        geometric.set(lane, geometric[0]), shading.set(lane, shading[0]);
+        colour.set(lane, colour[0]);
+        reflection[lane] = reflection[0], shininess[lane] = shininess[0];
+    }
+}
+
+// ---- lights ----------------------------------------------------------------------------------------------------------
+
+void PacketPaths::light_faces() {
+    for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
+    shadows_.rays.clear();
+    AimedLights aimed;
+    for (const auto& light : world_.lights) {
+        for (std::size_t p = 0; p < face_packets_; ++p) {
+            aim(*light, *faces_[p], aimed);
+            send_shadow_rays(*faces_[p], aimed);
+        }
+        cast_shadows();
+    }
+}
+
+void PacketPaths::begin_light(FacePacket& faces) {
+    for (int i = 0; i < width; ++i) {
+        faces.ambient.set(i, Colour::black()), faces.diffuse.set(i, Colour::black()), faces.highlight.set(i, Colour::black());
+        faces.mirrored.set(i, mirror(faces.arriving[i], Normal(faces.shading[i])));
+    }
+    const LightSampleBatch middle{};
+    for (const auto& ambient : world_.ambient_lights) {
+        IlluminationBatch all_around;
+        ambient->toward_batch(faces.points, middle, faces.count, &all_around);
+        for (int i = 0; i < faces.count; ++i) {
+            faces.ambient.r[i] += all_around.r[i];
+            faces.ambient.g[i] += all_around.g[i];
+            faces.ambient.b[i] += all_around.b[i];
+        }
+    }
+}
+
+// Tracer::Implementation::aim for all lanes.
+void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed) {
+    LightSampleBatch samples;
+    const bool has_extent = light.has_extent();
+    for (int i = 0; i < width; ++i) {
+        samples.u[i] = 0.5, samples.v[i] = 0.5;
+        if (!has_extent || i >= faces.count) continue;
+        const SamplePair pair = sample_pair(faces.key[i], dimension_pair::first_light + faces.light_samples[i]++);
+        samples.u[i] = pair.u, samples.v[i] = pair.v;
+    }
+    IlluminationBatch& light_at = aimed.illumination;
+    light.toward_batch(faces.points, samples, width, &light_at);
+
+    Lanes cosine, along_mirrored, facing;
+    for (int i = 0; i < width; ++i) {
+        const Vector direction{light_at.direction_x[i], light_at.direction_y[i], light_at.direction_z[i]};
+        cosine[i] = dot(faces.shading[i], direction);
+        const double towards = dot(faces.mirrored[i], direction);
+        along_mirrored[i] = towards > 0 ? towards : 0;
+        facing[i] = dot(faces.geometric[i], direction);
+    }
+    aimed.arrives = 0;
+    for (int i = 0; i < faces.count; ++i) {
+        const bool has_radiance = light_at.r[i] != 0 || light_at.g[i] != 0 || light_at.b[i] != 0;
+        if (!has_radiance || !(cosine[i] > 0)) continue;
+        aimed.highlight[i] = highlight(along_mirrored[i], faces.shininess[i]);
+        const double rest = cosine[i] - aimed.highlight[i];
+        aimed.diffuse[i] = rest > 0 ? rest : 0;
+        if ((aimed.highlight[i] > 0 || aimed.diffuse[i] > 0) && facing[i] > 0) aimed.arrives |= 1u << i;
+    }
+    tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
+}
+
+void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
+    for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest);
+        const IlluminationBatch& light = aimed.illumination;
+        const Vector direction{light.direction_x[lane], light.direction_y[lane], light.direction_z[lane]};
+        const int shadow = shadows_.rays.count;
+        Departure departure = faces.departure[lane];
+        departure.inward = dot(direction, faces.outward[lane]) < 0;
+        shadows_.rays.add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]});
+        shadows_.distances[shadow] = light.distance[lane];
+        const Colour radiance{light.r[lane], light.g[lane], light.b[lane]};
+        shadows_.diffuse.set(shadow, aimed.diffuse[lane] * radiance);
+        shadows_.highlight.set(shadow, aimed.highlight[lane] * radiance);
+        shadows_.faces[shadow] = &faces, shadows_.lane[shadow] = lane;
+        if (shadows_.rays.is_full()) cast_shadows();
+    }
+}
+
+void PacketPaths::cast_shadows() {
+    RayPacket& rays = shadows_.rays;
+    if (rays.count == 0) return;
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(rays.count);
+    rays.fill_up();
+    const unsigned blocked = packet_.blocked(rays, shadows_.distances);
+    const unsigned all = (1u << rays.count) - 1;
+    for (unsigned rest = all & ~blocked; rest != 0; rest &= rest - 1) {
+        const int shadow = std::countr_zero(rest), lane = shadows_.lane[shadow];
+        FacePacket& faces = *shadows_.faces[shadow];
+        const Colour diffuse = shadows_.diffuse[shadow], highlight = shadows_.highlight[shadow];
+        faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
+        faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
+    }
+    rays.clear();
+}
+
+// ---- colours ---------------------------------------------------------------------------------------------------------
+
+// Local colours, and the mirrored rays of the next wave.
+void PacketPaths::finish_colours(std::size_t depth) {
+    Wave& wave = *waves_[depth];
+    if (world_.features.reflection && waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
+    if (waves_.size() > depth + 1) waves_[depth + 1]->clear();
+    for (std::size_t p = 0; p < face_packets_; ++p) {
+        FacePacket& faces = *faces_[p];
+        for (int i = 0; i < faces.count; ++i) {
+            const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + faces.highlight[i];
+            wave.colours[faces.ray[i]] = (1 - faces.reflection[i]) * local;
+        }
+        if (!world_.features.reflection) continue;
+        for (int i = 0; i < faces.count; ++i)
+            if (faces.reflection[i] > 0) mirror_ray(faces, i, wave, *waves_[depth + 1]);
+    }
+}
+
+void PacketPaths::mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next) {
+    ++tracer_.statistics.mirrored_rays;
+    const int sender = faces.ray[lane];
+    const double reflection = faces.reflection[lane];
+    const Path& path = wave.paths[sender];
+    const Path onward{path.weight * reflection, path.depth + 1, faces.travelled[lane], 2 * path.branch};
+    if (onward.ends(tracer_.settings)) {
+        wave.colours[sender] += reflection * world_.background;
+        return;
+    }
+    const Vector direction = Tracer::Implementation::turned_out(faces.mirrored[lane], Normal(faces.geometric[lane]));
+    Departure departure = faces.departure[lane];
+    departure.inward = dot(direction, faces.outward[lane]) < 0;
+    next.sender[next.count] = sender, next.reflection[next.count] = reflection;
+    next.add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]}, onward);
+}
+
+}  // namespace lapidary
