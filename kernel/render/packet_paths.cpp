@@ -71,11 +71,11 @@ PacketPaths::FacePacket& PacketPaths::new_faces() {
 }
 
 // Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, its position was computed
-// in the leaf's own frame, and the solid it bounds is of one medium.
+// in the leaf's own frame, and the innards that a cut shows are those of the first positive leaf.
 bool PacketPaths::is_plain(const Wave& wave, int ray) const {
     if (wave.leaf(ray) < 0 || wave.solid(ray) < 0) return false;
     const Leaf& leaf = world_.leaves[wave.leaf(ray)];
-    return leaf.first_surface < 0 && (leaf.appearance >= 0 || !world_.solids[wave.solid(ray)].has_interfaces);
+    return leaf.first_surface < 0 && (leaf.appearance >= 0 || world_.solids[wave.solid(ray)].is_product);
 }
 
 void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
