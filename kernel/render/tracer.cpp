@@ -45,6 +45,7 @@ double Tracer::Implementation::index_of(const Label& label, const MatterSite& si
 // n - (relief - (relief . n) n), normalised; a normal that would face away from the viewer is bent back to the horizon.
 Normal Tracer::Implementation::bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
                                            const Matter& matter) {
+    if (matter.relief == Vector{}) return geometric;
     const Vector n = to_vector(geometric), g = to_vector(relief_in_world(instance, matter));
     Vector bent = normalize(n - (g - dot(g, n) * n));
     const double away = dot(bent, arriving);
