@@ -24,6 +24,23 @@ double fold(const Lanes& lanes, Choose choose) {
 double least(const Lanes& lanes) { return fold(lanes, lesser); }
 double largest(const Lanes& lanes) { return fold(lanes, greater); }
 
+// Intersects what is left of each lane, from t to first_out, with a leaf's span. Returns how many lanes are left. A leaf that is
+// alone is met even where t, at a distance, no longer tells its ends apart.
+std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, bool alone,
+                    const Lanes& __restrict limit, Lanes& __restrict t, Lanes& __restrict first_out,
+                    PacketThroughSolid::LeafLanes& __restrict leaf) {
+    std::int64_t left = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        leaf[i] = in[i] > t[i] ? index : leaf[i];
+        t[i] = greater(in[i], t[i]);
+        first_out[i] = lesser(out[i], first_out[i]);
+        const bool remains = ((alone ? 0 : t[i]) < first_out[i]) & (t[i] <= limit[i]);
+        t[i] = remains ? t[i] : infinity;
+        left += remains;
+    }
+    return left;
+}
+
 }  // namespace
 
 PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
@@ -37,11 +54,16 @@ PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& stat
 void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
     placed_leaf_ = -1;
+    find_origins(rays, origins_);
+}
+
+void PacketThroughSolid::find_origins(const RayPacket& __restrict rays, Origins& __restrict origins) {
     for (int i = 0; i < width; ++i) {
-        origin_x_[i] = rays.anchor.x[i] + rays.offset.x[i];
-        origin_y_[i] = rays.anchor.y[i] + rays.offset.y[i];
-        origin_z_[i] = rays.anchor.z[i] + rays.offset.z[i];
-        origin_size_[i] = greater(greater(std::fabs(origin_x_[i]), std::fabs(origin_y_[i])), std::fabs(origin_z_[i]));
+        const double x = rays.anchor.x[i] + rays.offset.x[i];
+        const double y = rays.anchor.y[i] + rays.offset.y[i];
+        const double z = rays.anchor.z[i] + rays.offset.z[i];
+        origins.x[i] = x, origins.y[i] = y, origins.z[i] = z;
+        origins.size[i] = greater(greater(std::fabs(x), std::fabs(y)), std::fabs(z));
     }
 }
 
@@ -77,19 +99,12 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
     const std::int32_t* positive = world_.product_leaves.data() + solid.first_product_leaf;
     Lanes first_out;
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
-    int alive = 1;
+    std::int64_t alive = 1;
     for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
         Lanes in, out;
         spans(positive[p], in, out);
-        alive = 0;
-        for (int i = 0; i < width; ++i) {
-            leaf[i] = in[i] > t[i] ? positive[p] : leaf[i];
-            t[i] = greater(in[i], t[i]);
-            first_out[i] = lesser(out[i], first_out[i]);
-            alive += t[i] < first_out[i] && t[i] <= limit[i];
-        }
+        alive = narrow(in, out, positive[p], solid.positive_count == 1, limit, t, first_out, leaf);
     }
-    for (int i = 0; i < width; ++i) t[i] = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
     if (alive == 0 || solid.leaf_count == 1) return;
 
     asked_count_ = 0;
@@ -105,7 +120,8 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
     Lanes unsettled;
     unsettled.v.fill(1);
     for (bool any_moved = true; any_moved;) {
-        const Bounds around = find_positions(solid, t, unsettled);
+        find_positions(origins_, rays_->direction, solid.rounding, t, unsettled, positions_);
+        const Bounds& around = positions_.around;
         unsettled.v.fill(0);
         any_moved = false;
         const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, negative[n], t, unsettled, leaf); };
@@ -115,7 +131,10 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
             for (std::int32_t n = 0; n < solid.negative_count; ++n)
                 if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);
         }
-        for (int i = 0; i < width; ++i) t[i] = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
+        for (int i = 0; i < width; ++i) {
+            const bool remains = (unsettled[i] == 0) | ((t[i] < first_out[i]) & (t[i] <= limit[i]));
+            t[i] = remains ? t[i] : infinity;
+        }
     }
 }
 
@@ -130,7 +149,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
         spans(index, asked.in, asked.out);
     }
     const NegativeLeaf& asked = asked_[asked_slot_[n]];
-    int left = 0;
+    std::int64_t left = 0;
     for (int i = 0; i < width; ++i) {
         const bool holds = asked.in[i] <= t[i] && t[i] < asked.out[i];
         t[i] = holds ? asked.out[i] : t[i];
@@ -169,29 +188,29 @@ void PacketThroughSolid::reconsider_doubtful(const Solid& solid, const Lanes& fi
     }
 }
 
-// Where the lanes are that are not settled, and a box around all that lies within a sliver's length of them. Other lanes are
-// nowhere: a slack of -infinity keeps them out of every box.
-Bounds PacketThroughSolid::find_positions(const Solid& solid, const Lanes& t, const Lanes& unsettled) {
-    Positions& p = positions_;
+// Where the lanes are that are not settled, with what rounding and a sliver's length may add.
+void PacketThroughSolid::find_positions(const Origins& __restrict origins, const VectorLanes& __restrict direction,
+                                        double rounding, const Lanes& __restrict t, const Lanes& __restrict unsettled,
+                                        Positions& __restrict p) {
     Lanes low_x, low_y, low_z, high_x, high_y, high_z;
     for (int i = 0; i < width; ++i) {
         const bool counts = unsettled[i] != 0 && t[i] < infinity;
         const double at = counts ? t[i] : 0;
-        const double slack = 0x1p-50 * (origin_size_[i] + at) + (64 * 0x1p-53 * at + solid.rounding);
-        p.slack[i] = counts ? slack : -infinity;
-        p.x[i] = origin_x_[i] + at * rays_->direction.x[i];
-        p.y[i] = origin_y_[i] + at * rays_->direction.y[i];
-        p.z[i] = origin_z_[i] + at * rays_->direction.z[i];
-        low_x[i] = p.x[i] - p.slack[i], low_y[i] = p.y[i] - p.slack[i], low_z[i] = p.z[i] - p.slack[i];
-        high_x[i] = p.x[i] + p.slack[i], high_y[i] = p.y[i] + p.slack[i], high_z[i] = p.z[i] + p.slack[i];
+        const double slack = counts ? 0x1p-50 * (origins.size[i] + at) + (64 * 0x1p-53 * at + rounding) : -infinity;
+        const double x = origins.x[i] + at * direction.x[i];
+        const double y = origins.y[i] + at * direction.y[i];
+        const double z = origins.z[i] + at * direction.z[i];
+        p.x[i] = x, p.y[i] = y, p.z[i] = z, p.slack[i] = slack;
+        low_x[i] = x - slack, low_y[i] = y - slack, low_z[i] = z - slack;
+        high_x[i] = x + slack, high_y[i] = y + slack, high_z[i] = z + slack;
     }
-    return {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
+    p.around = {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
 }
 
 bool PacketThroughSolid::any_in_box(const Bounds& box) const {
     // Counting instead of stopping keeps the lanes together.
     const Positions& p = positions_;
-    int held = 0;
+    std::int64_t held = 0;
     for (int i = 0; i < width; ++i)
         held += (p.x[i] >= box.low.x - p.slack[i]) & (p.x[i] <= box.high.x + p.slack[i]) & (p.y[i] >= box.low.y - p.slack[i]) &
                 (p.y[i] <= box.high.y + p.slack[i]) & (p.z[i] >= box.low.z - p.slack[i]) & (p.z[i] <= box.high.z + p.slack[i]);

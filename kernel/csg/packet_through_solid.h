@@ -26,7 +26,7 @@ namespace lapidary {
 class LAPIDARY_API PacketThroughSolid {
 public:
     static constexpr int width = batch_size;
-    using LeafLanes = std::array<std::int32_t, width>;
+    using LeafLanes = std::array<std::int64_t, width>;  // as wide as doubles, next to which they are chosen
 
     PacketThroughSolid(const World& world, TraceStatistics& statistics);
 
@@ -42,15 +42,23 @@ public:
     void cross_sheet(std::int32_t leaf, Lanes& t);
 
 private:
-    // Where the lanes are at some t each, for tests against boxes.
+    // Where the rays start, in one part, and the largest magnitude of each one's coordinates.
+    struct Origins {
+        Lanes x, y, z, size;
+    };
+    // Where the lanes are at some t each, for tests against boxes. Lanes that do not count are nowhere: a slack of -infinity
+    // keeps them out of every box.
     struct Positions {
         Lanes x, y, z, slack;
+        Bounds around;  // all that lies within the slack
     };
 
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
-    Bounds find_positions(const Solid& solid, const Lanes& t, const Lanes& unsettled);
+    static void find_origins(const RayPacket& rays, Origins& origins);
+    static void find_positions(const Origins& origins, const VectorLanes& direction, double rounding, const Lanes& t,
+                               const Lanes& unsettled, Positions& positions);
     bool any_in_box(const Bounds& box) const;
     bool leave_negative_leaf(std::int32_t slot, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf);
 
@@ -67,7 +75,7 @@ private:
     LineThroughSolid line_;
 
     const RayPacket* rays_ = nullptr;
-    Lanes origin_x_, origin_y_, origin_z_, origin_size_;
+    Origins origins_;
 
     std::int32_t placed_leaf_ = -1;
     PlacedLines placed_;

@@ -44,48 +44,49 @@ void PacketThroughWorld::start(std::span<const RayPacket> packets) {
     packets_ = packets;
     for (std::size_t p = 0; p < packets.size(); ++p) {
         solids_[p].start(packets[p]);
-        start_floats(p, packets[p]);
+        round_rays(p);
         // Lanes without a ray are done from the start.
         for (int i = packets[p].count; i < width; ++i) limits_[p][i] = -1;
         set_limits(p);
     }
-    for (int i = static_cast<int>(packets.size()) * width; i < float_width; ++i) {
-        high_origin_x_[i] = high_origin_y_[i] = high_origin_z_[i] = low_origin_x_[i] = low_origin_y_[i] = low_origin_z_[i] = 0;
-        inverse_x_[i] = inverse_y_[i] = inverse_z_[i] = 1;
-        float_limits_[i] = -1;
-    }
+    if (packets.size() < most_packets) std::fill(float_limits_.v.begin() + width, float_limits_.v.end(), -1.0F);
 }
 
 // Rays as floats that lose no box. The origin, relative to the anchor, is rounded up against the low planes of boxes and down
 // against the high ones: in (plane - origin) / direction both move the entry toward the start and the exit away from it,
 // whatever the direction's sign. An origin far outside of the scene would lose its digits: it first moves along the ray to
 // where boxes may begin, and t counts from there.
-void PacketThroughWorld::start_floats(std::size_t packet, const RayPacket& rays) {
+void PacketThroughWorld::round_rays(std::size_t packet) {
     const Point anchor = world_.hierarchy.anchor();
-    const double anchor_size = std::fmax(std::fabs(anchor.x), std::fmax(std::fabs(anchor.y), std::fabs(anchor.z)));
-    const double far = 8 * reach_;
-    Lanes& shifts = shifts_[packet];
-    for (int i = 0; i < width; ++i) {
-        const int lane = static_cast<int>(packet) * width + i;
-        const double dx = rays.direction.x[i], dy = rays.direction.y[i], dz = rays.direction.z[i];
-        const double ox = rays.anchor.x[i] + rays.offset.x[i], oy = rays.anchor.y[i] + rays.offset.y[i],
-                     oz = rays.anchor.z[i] + rays.offset.z[i];
-        double x = ox - anchor.x, y = oy - anchor.y, z = oz - anchor.z;
-        const double ahead = -(x * dx + y * dy + z * dz);
-        const double shift = ahead > far ? ahead - 2 * reach_ : 0;
-        shifts[i] = shift;
-        x += shift * dx, y += shift * dy, z += shift * dz;
+    const double anchor_size = std::fabs(anchor.x) + std::fabs(anchor.y) + std::fabs(anchor.z);
+    const double reach = reach_;
+    const int begin = static_cast<int>(packet) * width;
+    const RayPacket& __restrict rays = packets_[packet];
+    FloatRays& __restrict floats = rays_;
+    Lanes& __restrict shifts = shifts_[packet];
 
-        const double slack = 0x1p-50 * (std::fabs(ox) + std::fabs(oy) + std::fabs(oz) + anchor_size + shift);
-        high_origin_x_[lane] = float_above(x + slack), low_origin_x_[lane] = float_below(x - slack);
-        high_origin_y_[lane] = float_above(y + slack), low_origin_y_[lane] = float_below(y - slack);
-        high_origin_z_[lane] = float_above(z + slack), low_origin_z_[lane] = float_below(z - slack);
-
+    const auto inverse = [](double direction) {
         // A direction of 0 counts as one that leaves no box: infinity times 0 would be no number.
         constexpr double least = 1e-36;
-        inverse_x_[lane] = static_cast<float>(1 / (std::fabs(dx) < least ? std::copysign(least, dx) : dx));
-        inverse_y_[lane] = static_cast<float>(1 / (std::fabs(dy) < least ? std::copysign(least, dy) : dy));
-        inverse_z_[lane] = static_cast<float>(1 / (std::fabs(dz) < least ? std::copysign(least, dz) : dz));
+        const double kept = std::fabs(direction) < least ? std::copysign(least, direction) : direction;
+        return static_cast<float>(1 / kept);
+    };
+    for (int i = 0; i < width; ++i) {
+        const double dx = rays.direction.x[i], dy = rays.direction.y[i], dz = rays.direction.z[i];
+        const double ox = rays.anchor.x[i] + rays.offset.x[i];
+        const double oy = rays.anchor.y[i] + rays.offset.y[i];
+        const double oz = rays.anchor.z[i] + rays.offset.z[i];
+        const double ahead = (anchor.x - ox) * dx + (anchor.y - oy) * dy + (anchor.z - oz) * dz;
+        const double shift = ahead > 8 * reach ? ahead - 2 * reach : 0;
+        const double x = ox - anchor.x + shift * dx, y = oy - anchor.y + shift * dy, z = oz - anchor.z + shift * dz;
+        const double slack = 0x1p-50 * (std::fabs(ox) + std::fabs(oy) + std::fabs(oz) + anchor_size + shift);
+        shifts[i] = shift;
+        floats.high_x[begin + i] = float_above(x + slack), floats.low_x[begin + i] = float_below(x - slack);
+        floats.high_y[begin + i] = float_above(y + slack), floats.low_y[begin + i] = float_below(y - slack);
+        floats.high_z[begin + i] = float_above(z + slack), floats.low_z[begin + i] = float_below(z - slack);
+        floats.inverse_x[begin + i] = inverse(dx);
+        floats.inverse_y[begin + i] = inverse(dy);
+        floats.inverse_z[begin + i] = inverse(dz);
     }
 }
 
@@ -106,9 +107,9 @@ bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLane
     const float low_x = low[0], low_y = low[1], low_z = low[2], high_x = high[0], high_y = high[1], high_z = high[2];
     int met = 0;
     for (int i = 0; i < float_width; ++i) {
-        const float x0 = (low_x - high_origin_x_[i]) * inverse_x_[i], x1 = (high_x - low_origin_x_[i]) * inverse_x_[i];
-        const float y0 = (low_y - high_origin_y_[i]) * inverse_y_[i], y1 = (high_y - low_origin_y_[i]) * inverse_y_[i];
-        const float z0 = (low_z - high_origin_z_[i]) * inverse_z_[i], z1 = (high_z - low_origin_z_[i]) * inverse_z_[i];
+        const float x0 = (low_x - rays_.high_x[i]) * rays_.inverse_x[i], x1 = (high_x - rays_.low_x[i]) * rays_.inverse_x[i];
+        const float y0 = (low_y - rays_.high_y[i]) * rays_.inverse_y[i], y1 = (high_y - rays_.low_y[i]) * rays_.inverse_y[i];
+        const float z0 = (low_z - rays_.high_z[i]) * rays_.inverse_z[i], z1 = (high_z - rays_.low_z[i]) * rays_.inverse_z[i];
         const float in = greater(greater(greater(lesser(x0, x1), lesser(y0, y1)), lesser(z0, z1)), 0);
         const float out = lesser(lesser(greater(x0, x1), greater(y0, y1)), greater(z0, z1)) * padding;
         const bool is_met = in <= lesser(out, float_limits_[i]);
@@ -185,18 +186,18 @@ void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, Boun
     Lanes t;
     PacketThroughSolid::LeafLanes leaf;
     solids_[packet].enter(solid, limits, t, leaf);
-    int inside = 0;
+    std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) inside += t[i] == 0;
     for (int i = 0; inside > 0 && i < packets_[packet].count; ++i)
         if (t[i] == 0) t[i] = solids_[packet].leave(solid, i), leaf[i] = -1;  // the way out is what is met
 
-    int closer = 0;
+    std::int64_t closer = 0;
     for (int i = 0; i < width; ++i) {
         const double first = boundaries.t[i];
         const bool comes_first = t[i] > 0 && (t[i] < first || (t[i] == first && t[i] < infinity && index < boundaries.solid[i]));
         boundaries.t[i] = comes_first ? t[i] : first;
         boundaries.solid[i] = comes_first ? index : boundaries.solid[i];
-        boundaries.leaf[i] = comes_first ? leaf[i] : boundaries.leaf[i];
+        boundaries.leaf[i] = comes_first ? static_cast<std::int32_t>(leaf[i]) : boundaries.leaf[i];
         limits[i] = comes_first ? t[i] : limits[i];
         closer += comes_first;
     }
@@ -232,7 +233,7 @@ unsigned PacketThroughWorld::blocked(std::span<const RayPacket> packets, std::sp
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
         solids_[p].enter(world_.solids[index], limits, t, leaf);
-        int hits = 0;
+        std::int64_t hits = 0;
         for (int i = 0; i < width; ++i) hits += t[i] < limits[i];
         if (hits == 0) return;
         for (int i = 0; i < packets[p].count; ++i)

@@ -41,10 +41,15 @@ private:
         float& operator[](int lane) { return v[static_cast<std::size_t>(lane)]; }
         float operator[](int lane) const { return v[static_cast<std::size_t>(lane)]; }
     };
+    // As seen from the anchor of the hierarchy: origins rounded up and down, and inverse directions.
+    struct FloatRays {
+        FloatLanes high_x, high_y, high_z, low_x, low_y, low_z;
+        FloatLanes inverse_x, inverse_y, inverse_z;
+    };
     enum class Order : std::uint8_t { near_first, any };
 
     void start(std::span<const RayPacket> packets);
-    void start_floats(std::size_t packet, const RayPacket& rays);
+    void round_rays(std::size_t packet);
     void set_limits(std::size_t packet);
     template <Order order, class Visit>
     void for_each_solid(Visit visit);
@@ -62,8 +67,8 @@ private:
     std::span<const RayPacket> packets_;
     std::array<PacketThroughSolid, most_packets> solids_;
     std::array<Lanes, most_packets> limits_, shifts_;
-    FloatLanes high_origin_x_, high_origin_y_, high_origin_z_, low_origin_x_, low_origin_y_, low_origin_z_;
-    FloatLanes inverse_x_, inverse_y_, inverse_z_, float_limits_;
+    FloatRays rays_{};
+    FloatLanes float_limits_;
     std::array<std::int32_t, 128> children_;
     std::array<FloatLanes, 128> nears_;
 };

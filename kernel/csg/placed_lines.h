@@ -20,10 +20,11 @@ struct PlacedLines {
     Lanes anchor;
 };
 
-inline void place_lines(const Transform& placement, const RayPacket& rays, PlacedLines& placed) {
-    const TwoPartPoint& centre = placement.centre();
-    const Matrix3& m = placement.inverse_linear();
-    const bool identity = placement.has_identity_linear();
+// The matrix and the centre are read once, and nothing overlaps: that is what lets the loop become vector instructions.
+template <bool identity>
+void place_lines_by(const Transform& placement, const RayPacket& __restrict rays, PlacedLines& __restrict placed) {
+    const TwoPartPoint centre = placement.centre();
+    const Matrix3 m = placement.inverse_linear();
     LineBatch& lines = placed.lines;
     for (int i = 0; i < batch_size; ++i) {
         const TwoPart x = two_difference(rays.anchor.x[i], centre.anchor.x);
@@ -32,24 +33,25 @@ inline void place_lines(const Transform& placement, const RayPacket& rays, Place
         const double lo_x = x.lo + (rays.offset.x[i] - centre.offset.x);
         const double lo_y = y.lo + (rays.offset.y[i] - centre.offset.y);
         const double lo_z = z.lo + (rays.offset.z[i] - centre.offset.z);
-        const double dx = rays.direction.x[i], dy = rays.direction.y[i], dz = rays.direction.z[i];
-        const double world_step = -(x.hi * dx + y.hi * dy + z.hi * dz);
-        const double wx = std::fma(world_step, dx, x.hi) + lo_x;
-        const double wy = std::fma(world_step, dy, y.hi) + lo_y;
-        const double wz = std::fma(world_step, dz, z.hi) + lo_z;
-        const double lx = identity ? wx : wx * m[0][0] + wy * m[1][0] + wz * m[2][0];
-        const double ly = identity ? wy : wx * m[0][1] + wy * m[1][1] + wz * m[2][1];
-        const double lz = identity ? wz : wx * m[0][2] + wy * m[1][2] + wz * m[2][2];
-        const double ldx = identity ? dx : dx * m[0][0] + dy * m[1][0] + dz * m[2][0];
-        const double ldy = identity ? dy : dx * m[0][1] + dy * m[1][1] + dz * m[2][1];
-        const double ldz = identity ? dz : dx * m[0][2] + dy * m[1][2] + dz * m[2][2];
-        const double step = -(lx * ldx + ly * ldy + lz * ldz) / (ldx * ldx + ldy * ldy + ldz * ldz);
-        lines.closest_x[i] = std::fma(step, ldx, lx);
-        lines.closest_y[i] = std::fma(step, ldy, ly);
-        lines.closest_z[i] = std::fma(step, ldz, lz);
-        lines.direction_x[i] = ldx, lines.direction_y[i] = ldy, lines.direction_z[i] = ldz;
+        const Vector d{rays.direction.x[i], rays.direction.y[i], rays.direction.z[i]};
+        const double world_step = -(x.hi * d.x + y.hi * d.y + z.hi * d.z);
+        const Vector w{std::fma(world_step, d.x, x.hi) + lo_x, std::fma(world_step, d.y, y.hi) + lo_y,
+                       std::fma(world_step, d.z, z.hi) + lo_z};
+        const Vector closest = identity ? w : multiply(w, m), direction = identity ? d : multiply(d, m);
+        const double step = -dot(closest, direction) / dot(direction, direction);
+        lines.closest_x[i] = std::fma(step, direction.x, closest.x);
+        lines.closest_y[i] = std::fma(step, direction.y, closest.y);
+        lines.closest_z[i] = std::fma(step, direction.z, closest.z);
+        lines.direction_x[i] = direction.x, lines.direction_y[i] = direction.y, lines.direction_z[i] = direction.z;
         placed.anchor[i] = world_step + step;
     }
+}
+
+inline void place_lines(const Transform& placement, const RayPacket& rays, PlacedLines& placed) {
+    if (placement.has_identity_linear())
+        place_lines_by<true>(placement, rays, placed);
+    else
+        place_lines_by<false>(placement, rays, placed);
 }
 
 }  // namespace lapidary

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/export.h"
 #include "kernel/math/bounds.h"
 #include "kernel/math/outward.h"
 
@@ -26,31 +27,47 @@ struct alignas(32) BoxBlock {
 };
 
 // Adds blocks over boxes numbered from 0; returns the topmost one.
-std::int32_t add_box_blocks(std::span<const Bounds> boxes, const Point& anchor, std::vector<BoxBlock>& blocks);
+LAPIDARY_API std::int32_t add_box_blocks(std::span<const Bounds> boxes, const Point& anchor, std::vector<BoxBlock>& blocks);
 
 // What the floats of a solid's blocks are relative to.
 inline Point anchor_of_blocks(const Bounds& box) { return box.is_finite() ? box.centre() : Point{}; }
+
+// A small box as floats relative to an anchor, rounded outward.
+struct FloatBox {
+    float low_x, low_y, low_z, high_x, high_y, high_z;
+
+    FloatBox(const Bounds& box, const Point& anchor)
+        : low_x(float_below(box.low.x - anchor.x)),
+          low_y(float_below(box.low.y - anchor.y)),
+          low_z(float_below(box.low.z - anchor.z)),
+          high_x(float_above(box.high.x - anchor.x)),
+          high_y(float_above(box.high.y - anchor.y)),
+          high_z(float_above(box.high.z - anchor.z)) {}
+};
+
+// Which boxes of a block overlap another one: bit i for box i.
+inline std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box) {
+    std::uint32_t bits = 0;
+    for (std::uint32_t i = 0; i < BoxBlock::width; ++i) {
+        const bool overlap = (box.low_x <= block.high_x[i]) & (block.low_x[i] <= box.high_x) & (box.low_y <= block.high_y[i]) &
+                             (block.low_y[i] <= box.high_y) & (box.low_z <= block.high_z[i]) & (block.low_z[i] <= box.high_z);
+        bits |= overlap ? 1u << i : 0u;
+    }
+    return bits;
+}
 
 // Calls visit(number) for the boxes below a block that overlap `query`.
 template <class Visit>
 void for_each_overlapping(const std::vector<BoxBlock>& blocks, std::int32_t top, const Bounds& query, const Point& anchor,
                           Visit visit) {
-    const float low_x = float_below(query.low.x - anchor.x), high_x = float_above(query.high.x - anchor.x);
-    const float low_y = float_below(query.low.y - anchor.y), high_y = float_above(query.high.y - anchor.y);
-    const float low_z = float_below(query.low.z - anchor.z), high_z = float_above(query.high.z - anchor.z);
+    const FloatBox box(query, anchor);
     std::array<std::int32_t, 128> stack;  // each level of at most ten leaves seven behind
     int size = 0;
     stack[size++] = top;
     while (size > 0) {
         const BoxBlock& block = blocks[stack[--size]];
-        unsigned overlaps = 0;
-        for (unsigned i = 0; i < BoxBlock::width; ++i) {
-            const bool overlap = (low_x <= block.high_x[i]) & (block.low_x[i] <= high_x) & (low_y <= block.high_y[i]) &
-                                 (block.low_y[i] <= high_y) & (low_z <= block.high_z[i]) & (block.low_z[i] <= high_z);
-            overlaps |= (overlap ? 1u : 0u) << i;
-        }
-        for (; overlaps != 0; overlaps &= overlaps - 1) {
-            const std::int32_t content = block.content[std::countr_zero(overlaps)];
+        for (std::uint32_t bits = overlapping(block, box); bits != 0; bits &= bits - 1) {
+            const std::int32_t content = block.content[std::countr_zero(bits)];
             if (content < 0)
                 visit(~content);
             else

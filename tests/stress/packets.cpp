@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+//
+// Packets against single rays where boxes kept as floats could lose one: rays that graze boxes, from near and far, of worlds
+// tiny and huge, along the axes, in packets that are not full.
+#include <fmt/format.h>
+
+#include <array>
+#include <random>
+
+#include "kernel/csg/packet_through_world.h"
+#include "kernel/prepare/world.h"
+#include "support/catch.h"
+#include "support/scenes.h"
+
+using namespace lapidary;
+
+namespace {
+
+constexpr int width = PacketThroughWorld::width;
+
+// Rays in one or two packets of any length, and what becomes of them, against one ray after the other.
+class Comparison {
+public:
+    explicit Comparison(const std::string& scene) : built_(test::build(scene)) {
+        for (const std::string& line : built_->headlines()) UNSCOPED_INFO(line);
+        REQUIRE(built_->scene);
+        Messages messages;
+        world_ = prepare_world(*built_->scene, messages);
+        packets_ = std::make_unique<PacketThroughWorld>(*world_, statistics_);
+        single_ = std::make_unique<RayThroughWorld>(*world_, statistics_);
+    }
+
+    const World& world() const { return *world_; }
+
+    void add(const Ray& ray, double distance) {
+        RayPacket& packet = waiting_[static_cast<std::size_t>(packet_count_)];
+        if (packet.count == 0) length_ = 1 + static_cast<int>(random_() % width);
+        waiting_distances_[static_cast<std::size_t>(packet_count_)][packet.count] = distance;
+        packet.add(ray);
+        if (packet.count < length_) return;
+        packet.fill_up();
+        ++packet_count_;
+        if (packet_count_ == 2 || random_() % 4 == 0) compare();
+    }
+
+    int met = 0, blocked = 0, different = 0;
+
+private:
+    void compare() {
+        const auto count = static_cast<std::size_t>(packet_count_);
+        std::array<BoundaryPacket, 2> boundaries;
+        packets_->first_boundaries(std::span(waiting_).first(count), std::span(boundaries).first(count));
+        const unsigned bits = packets_->blocked(std::span(waiting_).first(count), std::span(waiting_distances_).first(count));
+        for (std::size_t p = 0; p < count; ++p)
+            for (int i = 0; i < waiting_[p].count; ++i) {
+                single_->start(waiting_[p].ray(i));
+                const Boundary expected = single_->next(0, Label{});
+                const bool is_blocked = single_->is_blocked(waiting_distances_[p][i]);
+                const bool same =
+                    boundaries[p].t[i] == expected.t && boundaries[p].solid[static_cast<std::size_t>(i)] == expected.solid;
+                const bool same_shadow = is_blocked == (((bits >> (static_cast<int>(p) * width + i)) & 1) != 0);
+                different += !same + !same_shadow;
+                met += expected.t < infinity;
+                blocked += is_blocked;
+            }
+        for (RayPacket& packet : waiting_) packet.clear();
+        packet_count_ = 0;
+    }
+
+    std::unique_ptr<test::BuiltScene> built_;
+    std::shared_ptr<const World> world_;
+    TraceStatistics statistics_;
+    std::unique_ptr<PacketThroughWorld> packets_;
+    std::unique_ptr<RayThroughWorld> single_;
+    std::mt19937 random_{7};
+    std::array<RayPacket, 2> waiting_;
+    std::array<Lanes, 2> waiting_distances_;
+    int packet_count_ = 0, length_ = 1;
+};
+
+// Small solids of several kinds, scattered about a place, all sizes times a scale.
+std::string scattered(double scale, const Point& place, int count) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    std::string text = "camera { } lights { ambient { } } objects {\n";
+    for (int i = 0; i < count; ++i) {
+        const std::array kinds{"cube { }", "sphere { }", "cylinder { height(1); }",
+                               "subtraction { cube { } sphere { radius(1.2); } }"};
+        text += fmt::format("union {{ {} transform {{ scale({}); translate({}, {}, {}); }} }}\n", kinds[random() % kinds.size()],
+                            0.03 * scale * (1 + random() % 3), place.x + scale * coordinate(random),
+                            place.y + scale * coordinate(random), place.z + scale * coordinate(random));
+    }
+    return text + "}";
+}
+
+// Rays at faces, edges and corners of leaves' boxes, in which cubes' faces lie, and past them.
+void aim_at_boxes(Comparison& comparison, double scale, double distance, int count) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    const std::vector<Leaf>& leaves = comparison.world().leaves;
+    for (int k = 0; k < count; ++k) {
+        const Leaf& leaf = leaves[random() % leaves.size()];
+        const Bounds local = leaf.object->bounds();
+        const auto pick = [&](double low, double high) {
+            const std::array<double, 4> places{low, high, 0.5 * (low + high),
+                                               low + (high - low) * 0.5 * (1 + coordinate(random))};
+            return places[random() % places.size()];
+        };
+        const Point target = leaf.placement.to_parent(
+            Point{pick(local.low.x, local.high.x), pick(local.low.y, local.high.y), pick(local.low.z, local.high.z)});
+        Vector direction{coordinate(random), coordinate(random), coordinate(random)};
+        // Many along an axis or in a plane of two.
+        if (random() % 3 == 0) direction.x = 0;
+        if (random() % 3 == 0) direction.y = random() % 2 == 0 ? 0.0 : -0.0;
+        if (random() % 3 == 0) direction.z = random() % 4 == 0 ? 1e-300 : 0;
+        direction = normalize(direction);
+        if (direction == Vector{}) direction = {0, 0, 1};
+        const double away = scale * distance * (random() % 8 == 0 ? 0 : 1);
+        comparison.add({target - away * direction, direction, {}, {}}, away + scale * coordinate(random));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("packets lose no box: scales and distances", "[packets]") {
+    for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20})
+        for (const double offset : {0.0, 1e3})
+            for (const double distance : {0.5, 10.0, 1e3, 1e6, 1e9}) {
+                CAPTURE(scale, offset, distance);
+                Comparison comparison(scattered(scale, {offset * scale, -offset * scale, 3 * offset * scale}, 60));
+                aim_at_boxes(comparison, scale, distance, 400);
+                CHECK(comparison.met > 100);
+                CHECK(comparison.blocked > 20);
+                CHECK(comparison.different == 0);
+            }
+}
+
+TEST_CASE("packets lose no negative leaf: one to many of them", "[packets]") {
+    for (const int count : {1, 2, 3, 8, 9, 30, 100, 700}) {
+        CAPTURE(count);
+        std::mt19937 random(5);
+        std::uniform_real_distribution<double> coordinate(-1, 1);
+        std::string text = "camera { } lights { ambient { } } objects { subtraction { cube { }";
+        for (int i = 0; i < count; ++i)
+            text += fmt::format(" {} {{ transform {{ scale({}); translate({}, {}, {}); }} }}", i % 2 == 0 ? "sphere" : "cube",
+                                0.5 / std::cbrt(count), coordinate(random), coordinate(random), coordinate(random));
+        Comparison comparison(text + " } }");
+        aim_at_boxes(comparison, 1, 4, 1500);
+        CHECK(comparison.met > 300);
+        CHECK(comparison.different == 0);
+    }
+}
