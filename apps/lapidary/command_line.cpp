@@ -215,6 +215,7 @@ std::optional<RenderArguments> parse_render(const Words& words) {
     app.add_flag("--watch", arguments.watch, "Render again whenever the scene or an included file is saved.");
     // For measurements; help does not show it.
     app.add_flag("--one-by-one", arguments.one_by_one, "Trace single rays, no packets.")->group("");
+    app.add_option("--sequence", arguments.sequence, "Samples that are independent of those of other sequences.")->group("");
     if (!parser.parse(words)) return std::nullopt;
 
     take_scene_texts(scene, arguments.scene);

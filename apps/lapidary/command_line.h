@@ -42,6 +42,7 @@ struct RenderArguments {
     bool parse_only = false, log = false, no_warnings = false, verbose = false;
     bool full_screen = false, no_window = false, preview = false, hold = false, watch = false;
     bool one_by_one = false;
+    std::uint32_t sequence = 0;
 
     std::optional<int> threads;  // 0: as many as the machine has; nothing: as the configuration says
     std::optional<PixelRegion> region;

@@ -188,6 +188,7 @@ private:
         options.error = arguments_.error;
         options.time = arguments_.time;
         options.one_by_one = arguments_.one_by_one;
+        options.sequence = arguments_.sequence;
         options.preview = is_shown();
         options.cancel = &Interruption::requested();
         options.on_tile = [this](const Frame& finished, const PixelRegion& tile) {

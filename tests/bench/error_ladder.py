@@ -12,7 +12,7 @@ from charts import Line, line_chart
 from programs import ONE_SAMPLE, difference
 
 OUR_QUALITIES = [ONE_SAMPLE] + [["--error", str(error)] for error in (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.0015)]
-OUR_REFERENCE = ["--samples", "2048"]
+OUR_REFERENCE = ["--samples", "1024", "--sequence", "1"]  # independent of the samples that are judged
 
 # Settings of which none is both slower and worse than another one on all workloads, and between which there are no wide gaps.
 POVRAY_QUALITIES = [ONE_SAMPLE] + [setting.split() for setting in (
@@ -84,14 +84,14 @@ class Ladder:
         self.times = [[] for _ in qualities]  # of each quality, round by round
         self.errors = []                      # of each quality: the same in all rounds
 
-    def climb(self, workload, size, folder, compare, longest):
-        """A round; settings that take too long end it, and are not tried again."""
+    def climb(self, workload, size, folder, compare, longest, enough=0):
+        """A round; steps that take too long or have error enough end it, and no finer one is tried again."""
         for i, quality in enumerate(self.qualities):
             run = self.program.run(workload, size, folder, quality)
             self.times[i].append(run.trace)
             if len(self.errors) == i:
                 self.errors.append(compare(run.picture, self.reference))
-            if run.trace > longest:
+            if run.trace > longest or self.errors[i] < enough:
                 self.qualities = self.qualities[:i + 1]
                 break
 
@@ -141,8 +141,8 @@ def climb(pair, workload, options, folder):
     ladders = (Ladder(ours, OUR_QUALITIES, our_reference(ours, workload, options.size, folder)),
                Ladder(theirs, POVRAY_QUALITIES, povray_reference(theirs, workload, options.size, folder)))
     for _ in range(options.rounds):
-        for ladder in ladders:
-            ladder.climb(workload, options.size, folder, compare, options.longest)
+        ladders[1].climb(workload, options.size, folder, compare, options.longest)
+        ladders[0].climb(workload, options.size, folder, compare, options.longest, enough=min(ladders[1].errors))
     return {"workload": workload.name, "ours": ladders[0].result(), "theirs": ladders[1].result(),
             "references_differ": compare(ladders[0].reference, ladders[1].reference), "equal_error": equal_error(*ladders, options.rounds)}
 
