@@ -49,7 +49,11 @@ void PacketPaths::trace(std::span<const Ray> rays, std::span<RaySample> samples)
 void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     Wave& wave = *waves_[depth];
     wave.fill_up();
-    for (int p = 0; p * width < wave.count; ++p) packet_.first_boundaries(wave.rays[p], wave.boundaries[p]);
+    const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
+    for (std::size_t p = 0; p < packets; p += PacketThroughWorld::most_packets) {
+        const std::size_t count = std::min(PacketThroughWorld::most_packets, packets - p);
+        packet_.first_boundaries(std::span(wave.rays).subspan(p, count), std::span(wave.boundaries).subspan(p, count));
+    }
     face_packets_ = 0;
     collect_faces(wave, first);
     light_faces();
@@ -258,7 +262,8 @@ void PacketPaths::FacePacket::fill_up() {
 
 void PacketPaths::light_faces() {
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
-    shadows_.rays.clear();
+    for (RayPacket& rays : shadows_.rays) rays.clear();
+    shadows_.count = 0;
     AimedLights aimed;
     for (const auto& light : world_.lights) {
         for (std::size_t p = 0; p < face_packets_; ++p) {
@@ -324,26 +329,27 @@ void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) 
         const int lane = std::countr_zero(rest);
         const IlluminationBatch& light = aimed.illumination;
         const Vector direction{light.direction_x[lane], light.direction_y[lane], light.direction_z[lane]};
-        const int shadow = shadows_.rays.count;
+        const int shadow = shadows_.count++, packet = shadow / width;
         Departure departure = faces.departure[lane];
         departure.inward = dot(direction, faces.outward[lane]) < 0;
-        shadows_.rays.add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]});
-        shadows_.distances[shadow] = light.distance[lane];
+        shadows_.rays[packet].add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]});
+        shadows_.distances[packet][shadow % width] = light.distance[lane];
         const Colour radiance{light.r[lane], light.g[lane], light.b[lane]};
-        shadows_.diffuse.set(shadow, aimed.diffuse[lane] * radiance);
-        shadows_.highlight.set(shadow, aimed.highlight[lane] * radiance);
+        shadows_.diffuse[shadow] = aimed.diffuse[lane] * radiance;
+        shadows_.highlight[shadow] = aimed.highlight[lane] * radiance;
         shadows_.faces[shadow] = &faces, shadows_.lane[shadow] = lane;
-        if (shadows_.rays.is_full()) cast_shadows();
+        if (shadows_.count == Shadows::most) cast_shadows();
     }
 }
 
 void PacketPaths::cast_shadows() {
-    RayPacket& rays = shadows_.rays;
-    if (rays.count == 0) return;
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(rays.count);
-    rays.fill_up();
-    const unsigned blocked = packet_.blocked(rays, shadows_.distances);
-    const unsigned all = (1u << rays.count) - 1;
+    if (shadows_.count == 0) return;
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count);
+    const std::size_t packets = (static_cast<std::size_t>(shadows_.count) + width - 1) / width;
+    for (std::size_t p = 0; p < packets; ++p) shadows_.rays[p].fill_up();
+    const unsigned blocked =
+        packet_.blocked(std::span(shadows_.rays).first(packets), std::span(shadows_.distances).first(packets));
+    const unsigned all = (1u << shadows_.count) - 1;
     for (unsigned rest = all & ~blocked; rest != 0; rest &= rest - 1) {
         const int shadow = std::countr_zero(rest), lane = shadows_.lane[shadow];
         FacePacket& faces = *shadows_.faces[shadow];
@@ -351,7 +357,8 @@ void PacketPaths::cast_shadows() {
         faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
         faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
     }
-    rays.clear();
+    for (RayPacket& rays : shadows_.rays) rays.clear();
+    shadows_.count = 0;
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------------

@@ -84,11 +84,13 @@ private:
 
     // Shadow rays on their way, and what each adds if nothing is in the way.
     struct Shadows {
-        RayPacket rays;
-        Lanes distances;
-        ColourLanes diffuse, highlight;
-        std::array<FacePacket*, width> faces;
-        std::array<std::int32_t, width> lane;
+        static constexpr int most = static_cast<int>(PacketThroughWorld::most_packets) * width;
+        int count = 0;
+        std::array<RayPacket, PacketThroughWorld::most_packets> rays;
+        std::array<Lanes, PacketThroughWorld::most_packets> distances;
+        std::array<Colour, most> diffuse, highlight;
+        std::array<FacePacket*, most> faces;
+        std::array<std::int32_t, most> lane;
     };
 
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
