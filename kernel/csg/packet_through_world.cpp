@@ -69,7 +69,7 @@ void PacketThroughWorld::round_rays(std::size_t packet) {
         // A direction of 0 counts as one that leaves no box: infinity times 0 would be no number.
         constexpr double least = 1e-36;
         const double kept = std::fabs(direction) < least ? std::copysign(least, direction) : direction;
-        return static_cast<float>(1 / kept);
+        return 1 / static_cast<float>(kept);
     };
     for (int i = 0; i < width; ++i) {
         const double dx = rays.direction.x[i], dy = rays.direction.y[i], dz = rays.direction.z[i];

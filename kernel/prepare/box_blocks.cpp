@@ -77,6 +77,16 @@ private:
 
 }  // namespace
 
+std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box) {
+    std::uint32_t bits = 0;
+    for (std::uint32_t i = 0; i < BoxBlock::width; ++i) {
+        const bool overlap = (box.low_x <= block.high_x[i]) & (block.low_x[i] <= box.high_x) & (box.low_y <= block.high_y[i]) &
+                             (block.low_y[i] <= box.high_y) & (box.low_z <= block.high_z[i]) & (block.low_z[i] <= box.high_z);
+        bits |= overlap ? 1u << i : 0u;
+    }
+    return bits;
+}
+
 std::int32_t add_box_blocks(std::span<const Bounds> boxes, const Point& anchor, std::vector<BoxBlock>& blocks) {
     std::vector<std::int32_t> order(boxes.size());
     std::iota(order.begin(), order.end(), 0);

@@ -46,15 +46,7 @@ struct FloatBox {
 };
 
 // Which boxes of a block overlap another one: bit i for box i.
-inline std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box) {
-    std::uint32_t bits = 0;
-    for (std::uint32_t i = 0; i < BoxBlock::width; ++i) {
-        const bool overlap = (box.low_x <= block.high_x[i]) & (block.low_x[i] <= box.high_x) & (box.low_y <= block.high_y[i]) &
-                             (block.low_y[i] <= box.high_y) & (box.low_z <= block.high_z[i]) & (block.low_z[i] <= box.high_z);
-        bits |= overlap ? 1u << i : 0u;
-    }
-    return bits;
-}
+LAPIDARY_API std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box);
 
 // Calls visit(number) for the boxes below a block that overlap `query`.
 template <class Visit>
