@@ -62,16 +62,12 @@ void CameraRays::measure_screen(const Camera& camera) {
 }
 
 Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
-    const double to_right = (x / picture_width_ - 0.5) * screen_width_;
-    const double to_top = (0.5 - y / picture_height_) * screen_height_;
-    const Vector aside = to_right * right_ + to_top * up_;
-
     Ray ray;
     if (projection_ == Camera::Projection::perspective) {
         ray.origin = location_;
-        ray.direction = forward_ + aside;
+        ray.direction = forward_ + aside(x, y);
     } else {
-        ray.origin = TwoPartPoint(location_, aside);
+        ray.origin = TwoPartPoint(location_, aside(x, y));
         ray.direction = forward_;
     }
     if (has_lens_) {
@@ -81,6 +77,27 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
     }
     ray.direction = normalize(ray.direction);
     return ray;
+}
+
+void CameraRays::rays(const Places& places, int count, RayPacket& packet) const {
+    packet.clear();
+    packet.key = places.key;
+    if (projection_ == Camera::Projection::perspective && !has_lens_) {
+        for (int i = 0; i < batch_size; ++i) {
+            const int lane = i < count ? i : 0;
+            packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
+            packet.direction.set(i, normalize(forward_ + aside(places.x[lane], places.y[lane])));
+        }
+        packet.departure.fill({});
+        packet.count = count;
+        return;
+    }
+    for (int i = 0; i < count; ++i) {
+        Ray one = ray(places.x[i], places.y[i], places.lens[static_cast<std::size_t>(i)]);
+        one.key = places.key[static_cast<std::size_t>(i)];
+        packet.add(one);
+    }
+    packet.fill_up();
 }
 
 DiscPoint CameraRays::lens_point(SampleKey key) const {

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernel/csg/ray_packet.h"
 #include "kernel/export.h"
 #include "kernel/render/ray.h"
 #include "kernel/render/sampler.h"
@@ -28,6 +29,14 @@ public:
 
     // A place in the picture, in pixels from the top left, seen through a place on the lens. The ray's key is not set.
     Ray ray(double x, double y, DiscPoint lens = {}) const;
+
+    // The same for the first `count` lanes of a packet; lanes beyond it repeat the first one.
+    struct Places {
+        Lanes x, y;
+        std::array<DiscPoint, batch_size> lens;
+        std::array<SampleKey, batch_size> key;
+    };
+    void rays(const Places& places, int count, RayPacket& packet) const;
 
     // Which place on the lens a sample of a pixel takes: the beforehand calculated ones in turn, or a new one for each.
     DiscPoint lens_point(SampleKey key) const;
@@ -44,6 +53,13 @@ public:
     const Vector& forward() const { return forward_; }
 
 private:
+    // From the middle of the picture to one of its places, at distance 1.
+    Vector aside(double x, double y) const {
+        const double to_right = (x / picture_width_ - 0.5) * screen_width_;
+        const double to_top = (0.5 - y / picture_height_) * screen_height_;
+        return to_right * right_ + to_top * up_;
+    }
+
     void orient(const Camera& camera);
     void measure_screen(const Camera& camera);
 

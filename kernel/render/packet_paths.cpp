@@ -34,14 +34,16 @@ PacketPaths::PacketPaths(Tracer::Implementation& tracer)
       extended_lights_(static_cast<std::uint32_t>(
           std::count_if(world_.lights.begin(), world_.lights.end(), [](const auto& light) { return light->has_extent(); }))) {}
 
-void PacketPaths::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
+void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
     if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
     Wave& wave = *waves_[0];
-    for (std::size_t begin = 0; begin < rays.size() && !tracer_.is_stopped(); begin += wave_size) {
-        wave.clear();
-        for (const Ray& ray : rays.subspan(begin, std::min<std::size_t>(wave_size, rays.size() - begin))) wave.add(ray, Path{});
-        const auto part = samples.subspan(begin, static_cast<std::size_t>(wave.count));
-        trace_wave(0, part);
+    for (std::size_t begin = 0; begin < samples.size() && !tracer_.is_stopped(); begin += wave_size) {
+        const auto part = samples.subspan(begin, std::min<std::size_t>(wave_size, samples.size() - begin));
+        wave.count = static_cast<int>(part.size());
+        const auto packets = rays.subspan(begin / width, (part.size() + width - 1) / width);
+        std::copy(packets.begin(), packets.end(), wave.rays.begin());
+        wave.paths.fill({});
+        trace_wave(0, all_layers ? part : std::span<RaySample>{});
         for (std::size_t i = 0; i < part.size(); ++i) part[i].colour = wave.colours[i];
     }
 }

@@ -32,7 +32,7 @@ public:
 
     explicit PacketPaths(Tracer::Implementation& tracer);
 
-    void trace(std::span<const Ray> rays, std::span<RaySample> samples);
+    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
 
 private:
     static constexpr int wave_size = 64;

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int tile_size = 32;
 // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
-constexpr std::size_t batch_size = 64;
+constexpr std::size_t most_rays = 64;
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
@@ -103,23 +103,27 @@ void store(std::span<float> channels, double x, double y, double z) {
 // Rays that wait to be traced together, and what each is for.
 struct Batch {
     struct Purpose {
-        std::size_t pixel = 0;
+        Pixel* pixel = nullptr;
+        PixelEstimate* estimate = nullptr;  // that the colour counts for; none where only the other layers are wanted
+        bool layers = false;                // fills the other layers
         Place place;
-        bool colour = true;     // counts for the pixel's colour
-        bool layers = false;    // fills the other layers
-        bool negative = false;  // stands in a negative lobe of the filter
     };
-    std::array<Ray, batch_size> rays;
-    std::array<RaySample, batch_size> samples;
-    std::array<Purpose, batch_size> purposes;
+    std::array<CameraRays::Places, most_rays / batch_size> places;
+    std::array<RayPacket, most_rays / batch_size> rays;
+    std::array<RaySample, most_rays> samples;
+    std::array<Purpose, most_rays> purposes;
     std::size_t size = 0;
+    bool layers = false;  // some sample fills the other layers
 };
 
 // What a thread has for itself.
 struct Worker {
+    explicit Worker(std::unique_ptr<Integrand> i) : integrand(std::move(i)) {}
+
     std::unique_ptr<Integrand> integrand;
     std::unique_ptr<Batch> batch = std::make_unique<Batch>();
-    std::uint64_t camera_rays = 0;
+    std::vector<Pixel> tile;  // where pixels need no memory beyond their tile
+    RenderReport report;      // of those
     std::uint64_t non_finite_samples = 0;
 };
 
@@ -147,7 +151,8 @@ private:
     // One pass over the tiles of a region: every pixel takes samples up to its goal.
     void trace_goals(const PixelRegion& region);
     void trace_tile(const PixelRegion& tile, Worker& worker);
-    void trace_samples(int x, int y, Worker& worker);
+    void trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker);
+    void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
     void flush(Worker& worker);
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -157,11 +162,13 @@ private:
     bool refine_goals(const PixelRegion& region, double tolerance);
     bool may_go_on(const Pixel& pixel) const;
     double estimated_error(int x, int y) const;
+    double own_error(const Pixel& pixel) const;
     double spread_around(int x, int y) const;
     double change_around(int x, int y) const;
     Colour colour_of(std::size_t pixel) const;
 
     void write_pixels(const PixelRegion& tile);
+    void write_pixel(Place place, const Pixel& pixel, const Colour& colour);
     void write_layers(Place place, const RaySample& sample);
     void announce(const PixelRegion& tile);
     void report_progress();
@@ -174,6 +181,7 @@ private:
                static_cast<std::size_t>(x - area_.x0);
     }
     bool is_in_region(int x, int y) const { return x >= region_.x0 && x < region_.x1 && y >= region_.y0 && y < region_.y1; }
+    bool finishes_tiles_at_once() const { return plan_.samples > 0 && !filter_.has_negative_lobes(); }
     bool is_stopped() const;
     bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
     bool is_time_up() const { return deadline_ && Clock::now() >= *deadline_; }
@@ -221,7 +229,7 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
       options_(options),
       picture_{0, 0, frame.width(), frame.height()},
       region_(options.region ? intersection(*options.region, picture_) : picture_),
-      workers_([&make_integrand] { return Worker{make_integrand()}; }) {
+      workers_([&make_integrand] { return Worker(make_integrand()); }) {
     if (options.time) deadline_ = begin_ + std::chrono::duration_cast<Clock::duration>(*options.time);
     for (const Layer layer : {Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
         wants_layers_ |= frame.has(layer);
@@ -257,7 +265,7 @@ RenderReport Passes::run() {
 void Passes::render_all() {
     if (options_.preview || options_.time) preview();
     // Of a large picture these are hundreds of megabytes, which a first view need not wait for.
-    pixels_.resize(pixel_count(area_));
+    if (!finishes_tiles_at_once()) pixels_.resize(pixel_count(area_));
     if (filter_.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
     if (plan_.samples > 0)
         sample_uniformly(plan_.samples);
@@ -268,6 +276,14 @@ void Passes::render_all() {
 }
 
 void Passes::sample_uniformly(int samples) {
+    if (finishes_tiles_at_once()) {
+        expected_samples_ = pixel_count(region_) * static_cast<std::size_t>(samples);
+        if (frame_.has(Layer::error))  // of what will not be reached
+            for (int y = region_.y0; y < region_.y1; ++y)
+                for (int x = region_.x0; x < region_.x1; ++x) frame_.pixel(Layer::error, x, y)[0] = static_cast<float>(infinity);
+        for_each_tile(region_, [&](const PixelRegion& tile) { sample_tile(tile, samples, workers_.local()); });
+        return;
+    }
     set_goals(static_cast<std::uint32_t>(samples));
     expected_samples_ = pixels_.size() * static_cast<std::size_t>(samples);
     trace_goals(region_);
@@ -334,20 +350,57 @@ void Passes::trace_goals(const PixelRegion& region) {
 void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
     worker.batch->size = 0;
     for_each_pixel(tile, [&](int x, int y) {
-        if (!is_stopped()) trace_samples(x, y, worker);
+        const std::size_t index = index_of(x, y);
+        PixelEstimate* negative = negative_lobes_.empty() ? nullptr : &negative_lobes_[index];
+        if (!is_stopped()) trace_samples({x, y}, pixels_[index], negative, worker);
     });
     flush(worker);
 }
 
-void Passes::trace_samples(int x, int y, Worker& worker) {
-    const std::size_t index = index_of(x, y);
-    const Pixel& pixel = pixels_[index];
-    const auto queue = [&](Ray ray, const SampleKey& key, const Batch::Purpose& purpose) {
+// All there is to do about a tile at once, so that its pixels need to be remembered only until the next tile: of a large
+// picture that is hundreds of megabytes that are never touched.
+void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
+    worker.tile.assign(tile_size * tile_size, Pixel{});
+    const auto pixel_at = [&](int x, int y) -> Pixel& {
+        return worker.tile[static_cast<std::size_t>((y - tile.y0) * tile_size + (x - tile.x0))];
+    };
+    worker.batch->size = 0;
+    for_each_pixel(tile, [&](int x, int y) {
+        Pixel& pixel = pixel_at(x, y);
+        pixel.goal = static_cast<std::uint32_t>(samples);
+        if (!is_stopped()) trace_samples({x, y}, pixel, nullptr, worker);
+    });
+    flush(worker);
+
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const Pixel& pixel = pixel_at(x, y);
+            if (pixel.taken == 0) continue;
+            write_pixel({x, y}, pixel, pixel.estimate.mean());
+            const auto error = static_cast<float>(own_error(pixel));
+            if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = error;
+            worker.report.samples += pixel.taken;
+            worker.report.within_error += error <= plan_.error;
+            ++worker.report.pixels;
+        }
+    taken_samples_ += pixel_count(tile) * static_cast<std::size_t>(samples);
+    report_progress();
+    if (!is_stopped()) frame_.count_finished(pixel_count(tile));
+    announce(tile);
+}
+
+void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker) {
+    const auto [x, y] = place;
+    const auto queue = [this, &worker](double film_x, double film_y, DiscPoint lens, const SampleKey& key,
+                                       const Batch::Purpose& purpose) {
         Batch& batch = *worker.batch;
-        ray.key = key;
-        batch.rays[batch.size] = ray;
+        CameraRays::Places& places = batch.places[batch.size / batch_size];
+        const std::size_t lane = batch.size % batch_size;
+        places.x.v[lane] = film_x, places.y.v[lane] = film_y;
+        places.lens[lane] = lens, places.key[lane] = key;
         batch.purposes[batch.size] = purpose;
-        if (++batch.size == batch_size) flush(worker);
+        batch.layers |= purpose.layers;
+        if (++batch.size == most_rays) flush(worker);
     };
 
     // The layers beside colour come from the pixel's centre; a single sample is the centre, too.
@@ -356,16 +409,16 @@ void Passes::trace_samples(int x, int y, Worker& worker) {
     if (layers || (single && pixel.taken < pixel.goal)) {
         const SampleKey key = sample_key(x, y, 0, options_.sequence);
         const DiscPoint lens = single ? camera_.lens_point(key) : DiscPoint{};
-        queue(camera_.ray(x + 0.5, y + 0.5, lens), key, {index, {x, y}, single, layers, false});
+        queue(x + 0.5, y + 0.5, lens, key, {&pixel, single ? &pixel.estimate : nullptr, layers, place});
         if (single) return;
     }
 
     for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
         if (worker.batch->size == 0 && is_stopped()) return;
         const SampleKey key = sample_key(x, y, sample, options_.sequence);
-        const PixelFilter::Placement place = filter_.place(sample_pair(key, dimension_pair::pixel));
-        queue(camera_.ray(x + 0.5 + place.x, y + 0.5 + place.y, camera_.lens_point(key)), key,
-              {index, {x, y}, true, false, place.negative});
+        const PixelFilter::Placement at = filter_.place(sample_pair(key, dimension_pair::pixel));
+        queue(x + 0.5 + at.x, y + 0.5 + at.y, camera_.lens_point(key), key,
+              {&pixel, at.negative ? negative : &pixel.estimate, false, place});
     }
 }
 
@@ -373,8 +426,11 @@ void Passes::flush(Worker& worker) {
     Batch& batch = *worker.batch;
     const std::size_t size = std::exchange(batch.size, 0);
     if (size == 0 || is_stopped()) return;
-    worker.integrand->trace(std::span(batch.rays).first(size), std::span(batch.samples).first(size));
-    worker.camera_rays += size;
+    const std::size_t packets = (size + batch_size - 1) / batch_size;
+    for (std::size_t p = 0; p < packets; ++p)
+        camera_.rays(batch.places[p], static_cast<int>(std::min<std::size_t>(batch_size, size - p * batch_size)), batch.rays[p]);
+    const bool layers = std::exchange(batch.layers, false);
+    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), layers);
     if (is_cancelled()) return;  // paths may have ended on their way
 
     // In the order of the samples, whatever the batches were.
@@ -382,10 +438,9 @@ void Passes::flush(Worker& worker) {
         const Batch::Purpose& purpose = batch.purposes[i];
         const RaySample& sample = batch.samples[i];
         if (purpose.layers) write_layers(purpose.place, sample);
-        if (!purpose.colour) continue;
-        ++pixels_[purpose.pixel].taken;
-        PixelEstimate& estimate = purpose.negative ? negative_lobes_[purpose.pixel] : pixels_[purpose.pixel].estimate;
-        if (!estimate.add(sample.colour)) ++worker.non_finite_samples;
+        if (!purpose.estimate) continue;
+        ++purpose.pixel->taken;
+        if (!purpose.estimate->add(sample.colour)) ++worker.non_finite_samples;
     }
 }
 
@@ -405,8 +460,11 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
             const PixelRegion painted = intersection({x, y, x + block, y + block}, tile);
             Ray ray = camera_.ray((painted.x0 + painted.x1) / 2.0, (painted.y0 + painted.y1) / 2.0);
             ray.key = sample_key(x, y, 0, options_.sequence);
+            RayPacket packet;
+            packet.add(ray);
+            packet.fill_up();
             RaySample sample;
-            worker.integrand->trace({&ray, 1}, {&sample, 1});
+            worker.integrand->trace({&packet, 1}, {&sample, 1}, false);
             if (is_cancelled()) return;
             if (!is_finite(sample.colour)) continue;
             for (int py = painted.y0; py < painted.y1; ++py)
@@ -433,9 +491,15 @@ double Passes::estimated_error(int x, int y) const {
     const auto count = pixel.estimate.count();
     if (count == 0) return infinity;
     const double scale = brightness_scale(pixel.estimate.mean());
-    if (plan_.samples > 0)  // every pixel by itself; a single sample does not tell how far it is off
-        return count == 1 ? infinity : error_from_spread(pixel.estimate.spread(), count) / scale;
+    if (plan_.samples > 0) return own_error(pixel);
     return std::max(error_from_spread(spread_around(x, y), count), change_around(x, y)) / scale;
+}
+
+// Of a fixed number of samples, every pixel by itself; a single sample does not tell how far it is off.
+double Passes::own_error(const Pixel& pixel) const {
+    const auto count = pixel.estimate.count();
+    if (count < 2) return infinity;
+    return error_from_spread(pixel.estimate.spread(), count) / brightness_scale(pixel.estimate.mean());
 }
 
 double Passes::spread_around(int x, int y) const {
@@ -518,11 +582,14 @@ void Passes::write_pixels(const PixelRegion& tile) {
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
             const std::size_t index = index_of(x, y);
-            if (pixels_[index].taken == 0) continue;
-            const Colour colour = colour_of(index);
-            store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
-            if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixels_[index].taken);
+            if (pixels_[index].taken > 0) write_pixel({x, y}, pixels_[index], colour_of(index));
         }
+}
+
+void Passes::write_pixel(Place place, const Pixel& pixel, const Colour& colour) {
+    const auto [x, y] = place;
+    store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
+    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixel.taken);
 }
 
 void Passes::write_layers(Place place, const RaySample& sample) {
@@ -552,7 +619,11 @@ RenderReport Passes::report() {
     RenderReport report;
     report.pixels = pixel_count(region_);
     std::size_t sampled = 0;
-    for (int y = region_.y0; y < region_.y1; ++y)
+    for (const Worker& worker : workers_) {
+        report.samples += worker.report.samples, report.within_error += worker.report.within_error;
+        sampled += worker.report.pixels;
+    }
+    for (int y = region_.y0; y < region_.y1 && !pixels_.empty(); ++y)
         for (int x = region_.x0; x < region_.x1; ++x) {
             Pixel& pixel = pixels_[index_of(x, y)];
             if (plan_.samples > 0 && pixel.taken > 0) pixel.error = static_cast<float>(estimated_error(x, y));

@@ -34,7 +34,9 @@ namespace lapidary {
 class Integrand {
 public:
     virtual ~Integrand() = default;
-    virtual void trace(std::span<const Ray> rays, std::span<RaySample> samples) = 0;
+    // Ray i stands in lane i % width of packet i / width; all packets but the last are full. `all_layers`: more than the
+    // colour is wanted.
+    virtual void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) = 0;
     virtual TraceStatistics statistics() const { return {}; }
 };
 

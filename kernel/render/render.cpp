@@ -16,7 +16,9 @@ public:
         tracer_.trace_one_by_one(options.one_by_one);
     }
 
-    void trace(std::span<const Ray> rays, std::span<RaySample> samples) override { tracer_.trace(rays, samples); }
+    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) override {
+        tracer_.trace(rays, samples, all_layers);
+    }
     TraceStatistics statistics() const override { return tracer_.statistics(); }
 
 private:

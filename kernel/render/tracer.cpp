@@ -341,16 +341,24 @@ Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_
 Tracer::~Tracer() = default;
 
 void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
+    std::vector<RayPacket> packets((rays.size() + batch_size - 1) / batch_size);
+    for (std::size_t i = 0; i < rays.size(); ++i) packets[i / batch_size].add(rays[i]);
+    if (!packets.empty()) packets.back().fill_up();
+    trace(packets, samples, true);
+}
+
+void Tracer::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
     Implementation& tracer = *implementation_;
-    tracer.statistics.camera_rays += rays.size();
-    std::fill(samples.begin(), samples.end(), RaySample{});
+    tracer.statistics.camera_rays += samples.size();
+    if (all_layers) std::fill(samples.begin(), samples.end(), RaySample{});
     if (tracer.packets && !tracer.observer && !tracer.one_by_one) {
-        tracer.packets->trace(rays, samples);
+        tracer.packets->trace(rays, samples, all_layers);
         return;
     }
-    for (std::size_t i = 0; i < rays.size() && !tracer.is_stopped(); ++i) {
+    for (std::size_t i = 0; i < samples.size() && !tracer.is_stopped(); ++i) {
         tracer.light_samples = 0;
-        samples[i].colour = tracer.radiance(rays[i], Path{}, &samples[i]);
+        const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
+        samples[i].colour = tracer.radiance(ray, Path{}, all_layers ? &samples[i] : nullptr);
     }
 }
 

@@ -22,6 +22,7 @@
 namespace lapidary {
 
 class World;
+struct RayPacket;
 struct RenderSettings;
 
 // What a camera ray brings back, for all layers.
@@ -71,6 +72,8 @@ public:
 
     // Traces rays independently of one another; samples.size() == rays.size().
     void trace(std::span<const Ray> rays, std::span<RaySample> samples);
+    // The same for packets of which all but the last are full; with `all_layers` false, samples get colours only.
+    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
 
     // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.
     void trace_one_by_one(bool one_by_one);

@@ -53,8 +53,9 @@ IntegrandMaker integrand_of(Function function) {
     class Wrapped final : public Integrand {
     public:
         explicit Wrapped(Function f) : function_(f) {}
-        void trace(std::span<const Ray> rays, std::span<RaySample> samples) override {
-            for (std::size_t i = 0; i < rays.size(); ++i) samples[i].colour = function_(rays[i]);
+        void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool) override {
+            for (std::size_t i = 0; i < samples.size(); ++i)
+                samples[i].colour = function_(rays[i / batch_size].ray(static_cast<int>(i % batch_size)));
         }
 
     private:
