@@ -16,6 +16,7 @@
 #include "apps/lapidary/interruption.h"
 #include "apps/lapidary/legend.h"
 #include "apps/lapidary/picture_files.h"
+#include "apps/lapidary/preparation.h"
 #include "apps/lapidary/render_record.h"
 #include "apps/lapidary/replace_file.h"
 #include "apps/lapidary/session.h"
@@ -167,9 +168,11 @@ private:
         begin(info);
         Frame frame(info.width, info.height, layers());
         record_.stages.begin("render");
+        std::optional<Preparation> preparation(pictures_);
         record_.report = render_frame(*record_.world, scene, session, info.region, frame);
         if (was_saved()) return ExitCode::interrupted;  // nobody wants this picture any more
         record_.stages.begin("write");
+        preparation.reset();
         for (PictureFile& picture : pictures_) finish(picture, frame, info);
         record_.stages.end();
         if (Interruption::requested() && !record_.report->complete) return ExitCode::interrupted;

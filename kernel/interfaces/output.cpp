@@ -9,6 +9,8 @@ Output::~Output() = default;
 
 void Output::begin(const FrameInfo&) {}
 
+void Output::prepare() {}
+
 void Output::tile(const Frame&, const PixelRegion&) {}
 
 }  // namespace lapidary

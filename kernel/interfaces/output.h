@@ -49,8 +49,11 @@ public:
     // File extensions (without dot, lower case) that this output writes; none for an output without a file.
     virtual std::vector<std::string> extensions() const { return {}; }
 
-    // Called before the first pixel, while others already render: the place to load heavy libraries in the background.
+    // Called before the first pixel.
     virtual void begin(const FrameInfo& info);
+    // Called while the picture renders, from a thread of its own, unless it is finished too soon: the place to load heavy
+    // libraries for finish(), which loads them itself where this was not called, or failed.
+    virtual void prepare();
     // Called after each finished tile, from the thread that finished it, one at a time.
     virtual void tile(const Frame& frame, const PixelRegion& region);
     // Called once at the end, also after an interruption (frame.is_complete() tells). Writes to `file`, a name beside the

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // Encoding and decoding of image files. The library that does it takes a sixth of a second to load (it brings some 260
-// others), so nothing links it: it is opened when a picture has to be written or read, best in the background.
+// others), so nothing links it: it is opened when a picture has to be written or read, best where nobody waits for it
+// (Output::prepare).
 //
-//     std::shared_future<const ImageLibrary*> library = open_image_library();   // returns at once
-//     …
-//     const std::vector<std::byte> bytes = library.get()->encode(picture);      // throws std::runtime_error
+//     const std::vector<std::byte> bytes = load_image_library()->encode(picture);  // throws std::runtime_error
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <future>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -51,14 +49,9 @@ public:
 // What the module "image" exports as lapidary_image_library.
 using ImageLibraryEntry = const ImageLibrary* (*)();
 
-// Opens it now; it stays open until the program ends. Throws std::runtime_error where it does not load.
+// Opens it at the first call; it stays open until the program ends. Throws std::runtime_error where it does not load.
 inline const ImageLibrary* load_image_library() {
     return reinterpret_cast<ImageLibraryEntry>(open_module("image", "lapidary_image_library"))();
-}
-
-// Opens it in the background; get() throws where it does not load.
-inline std::shared_future<const ImageLibrary*> open_image_library() {
-    return std::async(std::launch::async, load_image_library).share();
 }
 
 }  // namespace lapidary

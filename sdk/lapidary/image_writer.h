@@ -26,13 +26,13 @@ namespace lapidary {
 
 class ImageWriter : public Output {
 public:
-    void begin(const FrameInfo&) override { library_ = open_image_library(); }
+    void prepare() override { library_ = load_image_library(); }
 
     void finish(const Frame& frame, const FrameInfo& info, const std::filesystem::path& file) override {
-        if (!library_.valid()) library_ = open_image_library();
+        if (!library_) library_ = load_image_library();
         Picture picture = outline(frame, info);
         fill(picture, frame, info.region);
-        save_bytes(library_.get()->encode(picture), file);
+        save_bytes(library_->encode(picture), file);
     }
 
 protected:
@@ -65,7 +65,7 @@ private:
         return picture;
     }
 
-    std::shared_future<const ImageLibrary*> library_;
+    const ImageLibrary* library_ = nullptr;
 };
 
 // The sRGB curve to 8 bits, ten times as fast as by its formula and to the same step: a table brings a value close, and
