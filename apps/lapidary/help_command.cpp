@@ -7,7 +7,6 @@
 #include <cstdio>
 
 #include "apps/lapidary/command_line.h"
-#include "apps/lapidary/console.h"
 #include "apps/lapidary/session.h"
 #include "kernel/registry/help.h"
 #include "kernel/scene/settings_blocks.h"
@@ -94,10 +93,7 @@ ExitCode help_command(const Words& words) {
     const auto arguments = parse_help(words);
     if (!arguments) return ExitCode::success;
     Messages messages;
-    Console console({});
-    console.listen_to(messages);
-    Sources sources;
-    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages), messages);
+    const auto registry = open_registry(arguments->plugin_path, messages);
     if (arguments->topic.empty()) {
         print_keywords(*registry);
     } else if (!explain(*registry, arguments->topic)) {

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "apps/lapidary/command_line.h"
-#include "apps/lapidary/console.h"
 #include "apps/lapidary/session.h"
 
 namespace lapidary {
@@ -25,10 +24,7 @@ ExitCode plugins_command(const Words& words) {
     const auto arguments = parse_plugins(words);
     if (!arguments) return ExitCode::success;
     Messages messages;
-    Console console({});
-    console.listen_to(messages);
-    Sources sources;
-    const auto registry = make_registry(arguments->plugin_path, load_configurations(sources, messages), messages);
+    const auto registry = open_registry(arguments->plugin_path, messages);
 
     fmt::print("Searched, first match wins:\n");
     for (const auto& folder : registry->search_path()) fmt::print("  {}\n", folder.string());

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <system_error>
 
 #include "apps/lapidary/settings.h"
@@ -11,6 +12,8 @@
 #include "loaders/scene/load.h"
 
 namespace lapidary {
+
+namespace {
 
 std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>& plugin_path,
                                         const Configurations& configurations, Messages& messages) {
@@ -21,6 +24,15 @@ std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>
     }
     SearchPath path = plugin_search_path({plugin_path, configurations.user.plugin_path, configurations.project.plugin_path});
     return std::make_unique<Registry>(std::move(path.folders), path.command_line_folders);
+}
+
+}  // namespace
+
+std::unique_ptr<Registry> open_registry(const std::vector<std::filesystem::path>& plugin_path, Messages& messages) {
+    Sources sources;
+    auto registry = make_registry(plugin_path, load_configurations(sources, messages), messages);
+    for (const Message& message : messages.all()) fmt::print(stderr, "{}", message.format());
+    return registry;
 }
 
 Session::Session(const SceneOptions& options, Messages& messages)

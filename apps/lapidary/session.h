@@ -16,10 +16,9 @@
 
 namespace lapidary {
 
-// A registry that searches the given folders first, then those of the environment, the configuration files and the
-// installation.
-std::unique_ptr<Registry> make_registry(const std::vector<std::filesystem::path>& plugin_path,
-                                        const Configurations& configurations, Messages& messages);
+// For a command without a scene: a registry that searches the given folders first, then those of the environment, the
+// configuration files and the installation. What is wrong with them is told on standard error.
+std::unique_ptr<Registry> open_registry(const std::vector<std::filesystem::path>& plugin_path, Messages& messages);
 
 // What the places of messages and scenes point into lives as long as this.
 class Session {
