@@ -29,13 +29,18 @@ public:
         pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), {});
         is_terminal_ = isatty(STDOUT_FILENO) == 1;
         drawn_rows_ = 0;
-        last_ = {};
+        to_come_ = static_cast<long>(info.region.width()) * info.region.height();
+        last_ = std::chrono::steady_clock::now();
     }
 
     void tile(const Frame& frame, const PixelRegion& region) override {
         take(frame, region);
-        const auto now = std::chrono::steady_clock::now();
-        if (!is_terminal_ || now - last_ < std::chrono::milliseconds(200)) return;
+        if (!is_terminal_) return;
+        // As soon as there is a first view of all, then from time to time.
+        const bool was_incomplete = to_come_ > 0;
+        to_come_ -= static_cast<long>(region.width()) * region.height();
+        const bool is_whole_now = was_incomplete && to_come_ <= 0;
+        if (!is_whole_now && std::chrono::steady_clock::now() - last_ < std::chrono::milliseconds(200)) return;
         draw();
         last_ = std::chrono::steady_clock::now();
     }
@@ -48,12 +53,15 @@ public:
 private:
     using Encoded = std::array<int, 3>;
 
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+
     void take(const Frame& frame, const PixelRegion& region) {
         for (int y = region.y0; y < region.y1; ++y)
             for (int x = region.x0; x < region.x1; ++x) {
                 const auto rgb = frame.pixel(Layer::colour, x, y);
-                pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = {
-                    rgb[0], rgb[1], rgb[2]};
+                pixels_[index(x, y)] = {rgb[0], rgb[1], rgb[2]};
             }
     }
 
@@ -79,8 +87,10 @@ private:
         const auto [y0, y1] = range(y, rows, height_);
         Colour sum;
         for (int v = y0; v < y1; ++v)
-            for (int u = x0; u < x1; ++u)
-                sum += pixels_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u)];
+            for (int u = x0; u < x1; ++u) {
+                const auto& [r, g, b] = pixels_[index(u, v)];
+                sum += Colour{r, g, b};
+            }
         const Colour colour = 1.0 / ((x1 - x0) * (y1 - y0)) * sum;
         return {encoded(colour.r), encoded(colour.g), encoded(colour.b)};
     }
@@ -117,7 +127,8 @@ private:
 
     std::optional<int> columns_;
     int width_ = 0, height_ = 0;
-    std::vector<Colour> pixels_;
+    std::vector<std::array<float, 3>> pixels_;
+    long to_come_ = 0;  // pixels of the first view
     bool is_terminal_ = false;
     int drawn_rows_ = 0;
     std::chrono::steady_clock::time_point last_;

@@ -5,6 +5,7 @@
 // Everything of SDL happens in one thread, which owns the window and answers keys: Escape, q or closing stop the
 // render (or end the show, when it is over), s saves what is there as a PNG file, + and - change the exposure, and the
 // title tells the pixel under the mouse. The renderer's threads only copy finished tiles into a canvas and go on.
+// A window that is taken away (destroyed by another program, the display gone) is as good as one that was closed.
 
 #include <SDL.h>
 #include <lapidary/image_library.h>
@@ -22,9 +23,13 @@
 #include <stdexcept>
 #include <thread>
 
+#include "x11_window.h"
+
 namespace lapidary {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 std::string decimal(double value) {
     char text[32];
@@ -32,26 +37,29 @@ std::string decimal(double value) {
     return text;
 }
 
-// The picture as it is shown.
+// The picture as it is shown: 8-bit sRGB, four bytes a pixel, blue first.
 struct Shown {
     int width = 0, height = 0;
     std::vector<std::uint8_t> bytes;
 };
 
-// What the renderer has given so far: linear colours, and what each pixel shows.
+PixelRegion bounds(const PixelRegion& a, const PixelRegion& b) {
+    if (a.is_empty() || b.is_empty()) return a.is_empty() ? b : a;
+    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+// What the renderer has given so far: linear colours, how they are shown, and what each pixel shows.
 class Canvas {
 public:
-    struct Pixel {
-        Colour colour;
-        int object = 0, material = 0;
-    };
-
     void resize(const FrameInfo& info) {
         const std::scoped_lock lock(mutex_);
-        width_ = info.width, height_ = info.height;
+        shown_.width = info.width, shown_.height = info.height;
+        const std::size_t pixels = static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height);
+        colours_.assign(pixels, {});
+        shown_.bytes.assign(4 * pixels, 0);
+        contents_.clear();
         legend_ = info.legend;
-        pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), {});
-        changed_ = true;
+        changed_ = whole();
     }
 
     void take(const Frame& frame, const PixelRegion& region) {
@@ -59,52 +67,82 @@ public:
         for (int y = region.y0; y < region.y1; ++y)
             for (int x = region.x0; x < region.x1; ++x) {
                 const auto rgb = frame.pixel(Layer::colour, x, y);
-                at(x, y) = {{rgb[0], rgb[1], rgb[2]}, index(frame, Layer::object, x, y), index(frame, Layer::material, x, y)};
+                colours_[index(x, y)] = {rgb[0], rgb[1], rgb[2]};
+                encode(index(x, y));
+                take_content(frame, x, y);
             }
-        changed_ = true;
+        changed_ = bounds(changed_, region);
     }
 
-    // As 8-bit sRGB, four bytes a pixel (blue first), where it has changed since the last call.
-    bool encode(double exposure, Shown& shown) {
+    void expose(double exposure) {
         const std::scoped_lock lock(mutex_);
-        if (!std::exchange(changed_, false)) return false;
-        shown.width = width_, shown.height = height_;
-        shown.bytes.resize(4 * pixels_.size());
-        std::uint8_t* byte = shown.bytes.data();
-        for (const Pixel& pixel : pixels_) {
-            const Colour c = exposure * pixel.colour;
-            *byte++ = encoded(c.b), *byte++ = encoded(c.g), *byte++ = encoded(c.r), *byte++ = 255;
-        }
-        return true;
+        exposure_ = static_cast<float>(exposure);
+        for (std::size_t i = 0; i < colours_.size(); ++i) encode(i);
+        changed_ = whole();
     }
 
-    void touch() {
+    // Gives what has changed since the last call to show(picture, region); false where that is nothing.
+    template <class Use>
+    bool give_changes(Use&& show) {
         const std::scoped_lock lock(mutex_);
-        changed_ = true;
+        const PixelRegion region = std::exchange(changed_, {});
+        if (!region.is_empty()) show(shown_, region);
+        return !region.is_empty();
+    }
+
+    Shown shown() const {
+        const std::scoped_lock lock(mutex_);
+        return shown_;
     }
 
     // What a pixel shows: "1 0.5 0.2, object ball, material red".
-    std::string describe(int x, int y) {
+    std::string describe(int x, int y) const {
         const std::scoped_lock lock(mutex_);
-        if (x < 0 || y < 0 || x >= width_ || y >= height_) return "";
-        const Pixel& pixel = at(x, y);
-        const std::string colour = decimal(pixel.colour.r) + " " + decimal(pixel.colour.g) + " " + decimal(pixel.colour.b);
+        if (x < 0 || y < 0 || x >= shown_.width || y >= shown_.height) return "";
+        const auto& [r, g, b] = colours_[index(x, y)];
+        const std::string colour = decimal(r) + " " + decimal(g) + " " + decimal(b);
         if (!legend_) return colour;
-        return colour + ", object " + name(legend_->objects, pixel.object) + ", material " +
-               name(legend_->materials, pixel.material);
+        const Content content = contents_.empty() ? Content{} : contents_[index(x, y)];
+        return colour + ", object " + name(legend_->objects, content.object) + ", material " +
+               name(legend_->materials, content.material);
     }
 
 private:
+    struct Content {
+        std::int32_t object = 0, material = 0;
+    };
+
+    PixelRegion whole() const { return {0, 0, shown_.width, shown_.height}; }
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(shown_.width) + static_cast<std::size_t>(x);
+    }
+
+    // A coarse first view tells of no objects and need not wait for their memory.
+    void take_content(const Frame& frame, int x, int y) {
+        const Content content{number(frame, Layer::object, x, y), number(frame, Layer::material, x, y)};
+        if (contents_.empty()) {
+            if (content.object == 0 && content.material == 0) return;
+            contents_.resize(colours_.size());
+        }
+        contents_[index(x, y)] = content;
+    }
+
+    static std::int32_t number(const Frame& frame, Layer layer, int x, int y) {
+        return frame.has(layer) ? static_cast<std::int32_t>(frame.pixel(layer, x, y)[0]) : 0;
+    }
+
     static const std::string& name(const std::vector<std::string>& names, int number) {
         return names[number >= 0 && static_cast<std::size_t>(number) < names.size() ? static_cast<std::size_t>(number) : 0];
     }
 
-    static int index(const Frame& frame, Layer layer, int x, int y) {
-        return frame.has(layer) ? static_cast<int>(frame.pixel(layer, x, y)[0]) : 0;
+    void encode(std::size_t pixel) {
+        const auto& [r, g, b] = colours_[pixel];
+        std::uint8_t* const bytes = &shown_.bytes[4 * pixel];
+        bytes[0] = encoded(b), bytes[1] = encoded(g), bytes[2] = encoded(r), bytes[3] = 255;
     }
 
     // By a table: the eye does not see the difference to the curve itself, and the whole picture is shown often.
-    static std::uint8_t encoded(double linear) {
+    std::uint8_t encoded(float linear) const {
         constexpr int steps = 4096;
         static const auto table = [] {
             std::array<std::uint8_t, steps + 1> t{};
@@ -112,19 +150,18 @@ private:
                 t[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255 * srgb_encode(i / double{steps})));
             return t;
         }();
-        if (!(linear > 0)) return 0;
-        return table[static_cast<std::size_t>(std::min(linear, 1.0) * steps + 0.5)];
+        const float value = exposure_ * linear;
+        if (!(value > 0)) return 0;
+        return table[static_cast<std::size_t>(std::min(value, 1.0f) * steps + 0.5f)];
     }
 
-    Pixel& at(int x, int y) {
-        return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
-    }
-
-    std::mutex mutex_;
-    int width_ = 0, height_ = 0;
-    std::vector<Pixel> pixels_;
+    mutable std::mutex mutex_;
+    std::vector<std::array<float, 3>> colours_;
+    std::vector<Content> contents_;  // empty until there are some
+    Shown shown_;
+    float exposure_ = 1;
     std::shared_ptr<const Legend> legend_;
-    bool changed_ = false;
+    PixelRegion changed_;  // since it was given last
 };
 
 // What goes wrong in SDL is a sentence.
@@ -143,28 +180,43 @@ struct Sdl {
     Sdl() {
         SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
         SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+        // A picture is shown a few times a second: that is no work, and no graphics driver has to be loaded for it.
+        SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
         // Not what SDL draws where nobody sees it; SDL_VIDEODRIVER still knows better.
         const char* const wayland = std::getenv("WAYLAND_DISPLAY");
         SDL_SetHint(SDL_HINT_VIDEODRIVER, wayland && *wayland ? "wayland,x11" : "x11");
         if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) fail("there is no display");
     }
-    ~Sdl() { SDL_QuitSubSystem(SDL_INIT_VIDEO); }
+    ~Sdl() {
+        if (!is_taken_away) SDL_QuitSubSystem(SDL_INIT_VIDEO);
+    }
     Sdl(const Sdl&) = delete;
     Sdl& operator=(const Sdl&) = delete;
+
+    // The window is not ours any more. Then nothing is given back: SDL would wait for the server's answers about it.
+    std::atomic<bool> is_taken_away = false;
 };
 
 // Lives in the thread that shows it.
 class Show {
 public:
-    Show(Canvas& canvas, const FrameInfo& info, bool full_screen) : canvas_(canvas), title_(info.title) {
+    Show(Sdl& sdl, Canvas& canvas, const FrameInfo& info, bool full_screen) : sdl_(sdl), canvas_(canvas), title_(info.title) {
         const Uint32 flags = SDL_WINDOW_RESIZABLE | static_cast<Uint32>(full_screen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
         const auto [width, height] = fitting_size(info);
         window_.reset(SDL_CreateWindow(title_.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height, flags));
         if (!window_) fail("no window can be opened");
-        // By software: one picture a few times a second is no work, and no graphics driver has to be loaded.
         renderer_.reset(SDL_CreateRenderer(window_.get(), -1, SDL_RENDERER_SOFTWARE));
         if (!renderer_) fail("nothing can be drawn into a window");
+        survive_x11_errors(window_.get(), sdl_.is_taken_away);
     }
+    ~Show() {
+        if (!sdl_.is_taken_away) return;
+        static_cast<void>(texture_.release());
+        static_cast<void>(renderer_.release());
+        static_cast<void>(window_.release());
+    }
+    Show(const Show&) = delete;
+    Show& operator=(const Show&) = delete;
 
     // Handles what has happened within a short time, and shows what is new. False: the user wants no more.
     bool step(const std::string& progress) {
@@ -174,6 +226,7 @@ public:
             if (!handle(event)) return false;
             more = SDL_PollEvent(&event) == 1;
         }
+        if (sdl_.is_taken_away) return false;
         draw();
         show_title(progress);
         return true;
@@ -197,10 +250,13 @@ private:
                 break;
             case SDL_WINDOWEVENT:
                 if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_.reset();
-                canvas_.touch();
+                uncovered_ = true;
                 break;
             case SDL_KEYDOWN:
                 return press(event.key.keysym.sym);
+            case SDL_SYSWMEVENT:
+                if (is_destruction(event, window_.get())) sdl_.is_taken_away = true;
+                break;
             default:
                 break;
         }
@@ -233,35 +289,47 @@ private:
     // In steps of half a stop.
     void expose(int steps) {
         half_stops_ += steps;
-        canvas_.touch();
+        canvas_.expose(std::exp2(0.5 * half_stops_));
     }
-    double exposure() const { return std::exp2(0.5 * half_stops_); }
 
+    // At most a fifth of the time, so that showing a large picture does not hold up making it.
     void draw() {
-        if (!canvas_.encode(exposure(), shown_)) return;
-        if (!texture_ || texture_width_ != shown_.width || texture_height_ != shown_.height) {
-            texture_width_ = shown_.width, texture_height_ = shown_.height;
+        const auto begin = Clock::now();
+        if (begin < next_draw_) return;
+        const bool is_new = canvas_.give_changes([this](const Shown& shown, const PixelRegion& region) { load(shown, region); });
+        if (!is_new && !std::exchange(uncovered_, false)) return;
+        SDL_RenderClear(renderer_.get());
+        SDL_RenderCopy(renderer_.get(), texture_.get(), nullptr, nullptr);
+        SDL_RenderPresent(renderer_.get());
+        const auto end = Clock::now();
+        next_draw_ = end + 4 * (end - begin);
+    }
+
+    void load(const Shown& shown, const PixelRegion& region) {
+        if (!texture_ || texture_width_ != shown.width || texture_height_ != shown.height) {
+            texture_width_ = shown.width, texture_height_ = shown.height;
             texture_.reset(SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STREAMING,
                                              texture_width_, texture_height_));
             if (!texture_) fail("the picture cannot be shown");
             SDL_RenderSetLogicalSize(renderer_.get(), texture_width_, texture_height_);
         }
-        SDL_UpdateTexture(texture_.get(), nullptr, shown_.bytes.data(), 4 * texture_width_);
-        SDL_RenderClear(renderer_.get());
-        SDL_RenderCopy(renderer_.get(), texture_.get(), nullptr, nullptr);
-        SDL_RenderPresent(renderer_.get());
+        const SDL_Rect rectangle{region.x0, region.y0, region.width(), region.height()};
+        const std::size_t first =
+            static_cast<std::size_t>(region.y0) * static_cast<std::size_t>(shown.width) + static_cast<std::size_t>(region.x0);
+        SDL_UpdateTexture(texture_.get(), &rectangle, &shown.bytes[4 * first], 4 * shown.width);
     }
 
     // The picture as it is shown, under the next free name.
     void save() {
+        const Shown shown = canvas_.shown();
         Picture picture;
         picture.format = "png";
-        picture.width = picture.full_width = shown_.width, picture.height = picture.full_height = shown_.height;
+        picture.width = picture.full_width = shown.width, picture.height = picture.full_height = shown.height;
         picture.channels = {{"R"}, {"G"}, {"B"}};
         picture.linear = false;
         std::vector<std::uint8_t> samples;
-        for (std::size_t i = 0; i < shown_.bytes.size(); i += 4)
-            samples.insert(samples.end(), {shown_.bytes[i + 2], shown_.bytes[i + 1], shown_.bytes[i]});
+        for (std::size_t i = 0; i < shown.bytes.size(); i += 4)
+            samples.insert(samples.end(), {shown.bytes[i + 2], shown.bytes[i + 1], shown.bytes[i]});
         picture.samples = std::move(samples);
         std::filesystem::path file;
         for (int n = 1; file.empty() || std::filesystem::exists(file); ++n) file = title_ + "-" + std::to_string(n) + ".png";
@@ -285,13 +353,15 @@ private:
         SDL_SetWindowTitle(window_.get(), title.c_str());
     }
 
+    Sdl& sdl_;
     Canvas& canvas_;
     std::string title_, shown_title_, remark_;
     SdlWindow window_;
     SdlRenderer renderer_;
     SdlTexture texture_;
     int texture_width_ = 0, texture_height_ = 0;
-    Shown shown_;
+    bool uncovered_ = false;  // something of it, by another window
+    Clock::time_point next_draw_;
     int half_stops_ = 0;
     std::optional<std::pair<int, int>> mouse_;
 };
@@ -314,14 +384,14 @@ public:
 
     // Throws where there is no display.
     void begin(const FrameInfo& info) override {
-        canvas_.resize(info);
         progress_ = 0, seconds_ = 0;
         begin_ = Clock::now();
-        if (thread_.joinable()) return;  // the same window for the next picture
+        if (thread_.joinable()) return canvas_.resize(info);  // the same window for the next picture
         // Why it could not be opened, as text: an exception would be released by two threads.
         std::promise<std::string> opened;
         std::future<std::string> result = opened.get_future();
         thread_ = std::thread([this, info, promise = std::move(opened)]() mutable { run(info, promise); });
+        canvas_.resize(info);  // large pictures take as long as the opening
         if (const std::string reason = result.get(); !reason.empty()) throw std::runtime_error(reason);
     }
 
@@ -340,11 +410,12 @@ private:
     void run(const FrameInfo& info, std::promise<std::string>& opened) {
         bool is_open = false;
         try {
-            const Sdl sdl;
-            Show show(canvas_, info, full_screen_ == Choice::yes);
+            Sdl sdl;
+            Show show(sdl, canvas_, info, full_screen_ == Choice::yes);
             is_open = true;
             opened.set_value("");
             while (!closing_ && show.step(progress())) continue;
+            stopped_ = true;  // before SDL has put everything away
         } catch (const std::exception& error) {
             // A window that fails later is as good as one that was closed.
             if (!is_open) opened.set_value(error.what());
@@ -370,7 +441,6 @@ private:
     Choice full_screen_ = Choice::no;
 
     Canvas canvas_;
-    using Clock = std::chrono::steady_clock;
     Clock::time_point begin_;
     std::atomic<double> progress_{0}, seconds_{0};  // of the render: how much of it is done, how long it has taken for that
     std::atomic<bool> closing_{false}, stopped_{false};
