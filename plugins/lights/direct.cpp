@@ -5,12 +5,13 @@
 // With an angle it is a disc in the sky of that diameter: soft shadows. A surface that faces the disc's middle meets its
 // rays at a mean cosine of (1 + cos(angle/2))/2; the disc is brighter by as much, so that the surface gets the same light.
 
+#include <lapidary/batched_light.h>
 #include <lapidary/light_geometry.h>
 #include <lapidary/plugin.h>
 
 namespace lapidary {
 
-class Direct final : public Light {
+class Direct final : public BatchedLight<Direct> {
 public:
     static void describe(Schema<Direct>& schema) {
         schema.summary("Light from infinitely far away, as from the sun.");
@@ -23,9 +24,10 @@ public:
             .help("How wide the light's disc is in the sky (the sun: 0.53deg); above 0, shadows are soft.");
     }
 
-    Illumination toward(const Point&, const LightSample& sample) const override {
+    Illumination from_middle(const Point&) const { return {-normalize(direction_), infinity, intensity_ * colour_}; }
+
+    Illumination from_sample(const Point&, const LightSample& sample) const {
         const Vector axis = -normalize(direction_);
-        if (angle_ == 0) return {axis, infinity, intensity_ * colour_};
         const double quarter_sine = std::sin(angle_ / 4), versine = 2 * quarter_sine * quarter_sine;  // 1 - cos(angle/2)
         return {direction_in_cone(axis, versine, sample), infinity, intensity_ / (1 - versine / 2) * colour_};
     }

@@ -4,12 +4,13 @@
 //
 // With a radius it is a ball that sends the same light as the point: soft shadows.
 
+#include <lapidary/batched_light.h>
 #include <lapidary/light_geometry.h>
 #include <lapidary/plugin.h>
 
 namespace lapidary {
 
-class PointLight final : public Light {
+class PointLight final : public BatchedLight<PointLight> {
 public:
     static void describe(Schema<PointLight>& schema) {
         schema.summary("Light from one place in all directions.");
@@ -22,7 +23,9 @@ public:
             .help("Makes the light a ball of this size; above 0, shadows are soft.");
     }
 
-    Illumination toward(const Point& point, const LightSample& sample) const override {
+    Illumination from_middle(const Point& point) const { return point_light(location_ - point, colour_, intensity_); }
+
+    Illumination from_sample(const Point& point, const LightSample& sample) const {
         return ball_light(location_ - point, radius_, colour_, intensity_, sample);
     }
 

@@ -11,12 +11,13 @@
 //
 //     cos t - cos b = 2 (sin^2(b/2) - sin^2(t/2)),   sin(t/2) = |v - d|/2 for unit vectors v and d.
 
+#include <lapidary/batched_light.h>
 #include <lapidary/light_geometry.h>
 #include <lapidary/plugin.h>
 
 namespace lapidary {
 
-class Spot final : public Light {
+class Spot final : public BatchedLight<Spot> {
 public:
     static void describe(Schema<Spot>& schema) {
         schema.summary("Light from one place into a cone with a soft edge.");
@@ -36,7 +37,13 @@ public:
         schema.require("the first angle must not be larger than the second", [](const Spot& s) { return s.inner_ <= s.outer_; });
     }
 
-    Illumination toward(const Point& point, const LightSample& sample) const override {
+    Illumination from_middle(const Point& point) const {
+        const double part = part_within(normalize(point - location_));
+        if (!(part > 0)) return {};
+        return point_light(location_ - point, part * colour_, intensity_);
+    }
+
+    Illumination from_sample(const Point& point, const LightSample& sample) const {
         const double part = part_within(normalize(point - location_));
         if (!(part > 0)) return {};
         return ball_light(location_ - point, radius_, part * colour_, intensity_, sample);

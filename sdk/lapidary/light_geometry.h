@@ -15,14 +15,16 @@ namespace lapidary {
 
 // The length of v, not lost where its square would overflow or vanish.
 inline double distance_of(const Vector& v) {
-    const double square = dot(v, v);
-    return square > 1e-280 && square < 1e300 ? std::sqrt(square) : std::hypot(v.x, v.y, v.z);
+    const double x = std::fabs(v.x), y = std::fabs(v.y), z = std::fabs(v.z);
+    const double larger = x > y ? x : y, scale = scale_to_one(larger > z ? larger : z);
+    return length(scale * v) / scale;
 }
 
 // intensity / d^2 without squaring d, and never beyond the largest finite number: what is next to a light is as bright
 // as numbers allow.
 inline double inverse_square(double intensity, double distance) {
-    return std::fmin(intensity / distance / distance, std::numeric_limits<double>::max());
+    const double light = intensity / distance / distance;
+    return light < std::numeric_limits<double>::max() ? light : std::numeric_limits<double>::max();
 }
 
 // A sample as a place in the unit disc, equal areas for equal areas, the middle for (1/2, 1/2): the square's concentric
@@ -53,21 +55,25 @@ inline Vector direction_in_cone(const Vector& axis, double versine, const LightS
     return normalize((1 - own_versine) * axis + (sine * std::cos(p.angle)) * across + (sine * std::sin(p.angle)) * upward);
 }
 
-// Light from a ball of radius r about the end of `to_centre`, which sends `intensity` in every direction as a point
+// Light from a point at the end of `to_centre`. A point at the light's own place gets none of it: there is no direction to it.
+inline Illumination point_light(const Vector& to_centre, const Colour& colour, double intensity) {
+    const double distance = distance_of(to_centre);
+    if (!(distance > 0)) return {};
+    return {normalize(to_centre), distance, colour * inverse_square(intensity, distance)};
+}
+
+// Light from a ball of radius r > 0 about the end of `to_centre`, which sends `intensity` in every direction as a point
 // light would. From the distance d it fills the cone with sin a = r/d; its surface has the radiance intensity/(pi r^2),
 // and the cone holds 2 pi (1 - cos a) of solid angle:
 //
 //     intensity/(pi r^2) 2 pi (1 - cos a) = intensity/d^2 * 2/(1 + cos a),
 //
-// which for r = 0 is the point light's intensity/d^2. A point at the light's own place gets none of it: there is no
-// direction to it. From within, the ball's surface is all around.
+// which for r = 0 is the point light's intensity/d^2. From within, the ball's surface is all around.
 inline Illumination ball_light(const Vector& to_centre, double radius, const Colour& colour, double intensity,
                                const LightSample& sample) {
     const double distance = distance_of(to_centre);
     if (!(distance > 0)) return {};
     const Vector axis = normalize(to_centre);
-    if (radius == 0) return {axis, distance, colour * inverse_square(intensity, distance)};
-
     if (distance <= radius) {
         const Vector direction = direction_in_cone(axis, 2, sample);
         const double middle = distance * dot(axis, direction);
