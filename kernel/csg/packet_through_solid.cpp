@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/csg/packet_through_solid.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -55,6 +56,13 @@ void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
     placed_leaf_ = -1;
     find_origins(rays, origins_);
+    first_departed_ = 0, last_departed_ = -1;
+    if (!rays.departs) return;
+    first_departed_ = last_departed_ = rays.departure[0].leaf;
+    for (const Departure& departure : rays.departure) {
+        first_departed_ = std::min(first_departed_, departure.leaf);
+        last_departed_ = std::max(last_departed_, departure.leaf);
+    }
 }
 
 void PacketThroughSolid::find_origins(const RayPacket& __restrict rays, Origins& __restrict origins) {
@@ -237,7 +245,7 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out) {
         in[i] = empty ? infinity : placed_.anchor[i] + in[i];
         out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
     }
-    if (rays_->departs) remove_departures(in, out, index, -1);
+    if (first_departed_ <= index && index <= last_departed_) remove_departures(in, out, index, -1);
 }
 
 // In the leaf's own t, with placed_ set to its lines.

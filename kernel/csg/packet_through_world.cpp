@@ -99,17 +99,17 @@ void PacketThroughWorld::set_limits(std::size_t packet) {
     }
 }
 
-// Which rays meet a child's box within their limits: where they do, `near` is the entry, else infinity.
-bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLanes& near) const {
+// Whether any ray meets a child's box within its limit: where they do, `near` is the entry, else infinity.
+bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLanes& __restrict near) const {
     if (node.child[child] == Hierarchy::no_child) return false;
     constexpr float padding = 1 + 0x1p-20F;  // for the rounding of differences, inverses and products
-    const auto &low = node.low[child], &high = node.high[child];
-    const float low_x = low[0], low_y = low[1], low_z = low[2], high_x = high[0], high_y = high[1], high_z = high[2];
+    const FloatRays& r = rays_;
+    const std::array<float, 3> low = node.low[child], high = node.high[child];
     int met = 0;
     for (int i = 0; i < float_width; ++i) {
-        const float x0 = (low_x - rays_.high_x[i]) * rays_.inverse_x[i], x1 = (high_x - rays_.low_x[i]) * rays_.inverse_x[i];
-        const float y0 = (low_y - rays_.high_y[i]) * rays_.inverse_y[i], y1 = (high_y - rays_.low_y[i]) * rays_.inverse_y[i];
-        const float z0 = (low_z - rays_.high_z[i]) * rays_.inverse_z[i], z1 = (high_z - rays_.low_z[i]) * rays_.inverse_z[i];
+        const float x0 = (low[0] - r.high_x[i]) * r.inverse_x[i], x1 = (high[0] - r.low_x[i]) * r.inverse_x[i];
+        const float y0 = (low[1] - r.high_y[i]) * r.inverse_y[i], y1 = (high[1] - r.low_y[i]) * r.inverse_y[i];
+        const float z0 = (low[2] - r.high_z[i]) * r.inverse_z[i], z1 = (high[2] - r.low_z[i]) * r.inverse_z[i];
         const float in = greater(greater(greater(lesser(x0, x1), lesser(y0, y1)), lesser(z0, z1)), 0);
         const float out = lesser(lesser(greater(x0, x1), greater(y0, y1)), greater(z0, z1)) * padding;
         const bool is_met = in <= lesser(out, float_limits_[i]);
@@ -119,11 +119,20 @@ bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLane
     return met > 0;
 }
 
-bool PacketThroughWorld::is_within_limits(std::size_t packet, const FloatLanes& near) const {
-    const int begin = static_cast<int>(packet) * width;
-    int within = 0;
-    for (int i = 0; i < width; ++i) within += near[begin + i] <= float_limits_[begin + i];
-    return within > 0;
+// How many more rays reach the second of two boxes before the first than the other way round.
+int PacketThroughWorld::votes_for_second(const FloatLanes& first, const FloatLanes& second) {
+    int votes = 0;
+    for (int i = 0; i < float_width; ++i) votes += (second[i] < first[i]) - (first[i] < second[i]);
+    return votes;
+}
+
+std::array<int, PacketThroughWorld::most_packets> PacketThroughWorld::within_limits(const FloatLanes& near) const {
+    int counts = 0;
+    for (int i = 0; i < width; ++i) {
+        const int other = width + i;
+        counts += (near[i] <= float_limits_[i] ? 1 : 0) + (near[other] <= float_limits_[other] ? 1 << 8 : 0);
+    }
+    return {counts & 0xff, counts >> 8};
 }
 
 // Calls visit(packet, solid) for the solids that any ray of a packet may meet within its limit.
@@ -138,33 +147,35 @@ template <PacketThroughWorld::Order order, class Visit>
 void PacketThroughWorld::walk(Visit visit) {
     const std::vector<Hierarchy::Node>& nodes = world_.hierarchy.nodes();
     if (nodes.empty()) return;
-    int size = 0;
-    children_[size] = 0;
-    nears_[size++].v.fill(0);
-    while (size > 0) {
-        const std::int32_t child = children_[--size];
-        const FloatLanes& reached = nears_[size];
+    std::array<FloatLanes, 2> near;
+    const FloatLanes* reached = nullptr;
+    std::int32_t child = 0;
+    for (int size = 0;;) {
+        // Down to a solid: of two children that are met the nearer one, while the other waits.
+        while (child >= 0) {
+            const Hierarchy::Node& node = nodes[child];
+            const std::array<bool, 2> met{meets(node, 0, near[0]), meets(node, 1, near[1])};
+            if (!met[0] && !met[1]) break;
+            int next = met[0] ? 0 : 1;
+            if (met[0] && met[1]) {
+                if (order == Order::near_first) next = votes_for_second(near[0], near[1]) > 0 ? 1 : 0;
+                children_[size] = node.child[1 - next];
+                nears_[size++] = near[1 - next];
+            }
+            child = node.child[next];
+            reached = &near[next];
+        }
         if (child < 0) {
-            std::array<bool, most_packets> within;
-            for (std::size_t p = 0; p < most_packets; ++p) within[p] = is_within_limits(p, reached);
+            const std::array<int, most_packets> within = within_limits(*reached);
             for (std::size_t p = 0; p < packets_.size(); ++p)
-                if (within[p]) visit(p, ~child);
-            continue;
+                if (within[p] > 0) visit(p, ~child);
         }
-        if (!is_within_limits(0, reached) && !is_within_limits(1, reached)) continue;
-        const Hierarchy::Node& node = nodes[child];
-        std::array<FloatLanes, 2> near;
-        const std::array<bool, 2> met{meets(node, 0, near[0]), meets(node, 1, near[1])};
-        int first = 0;
-        if (order == Order::near_first && met[0] && met[1]) {
-            int votes = 0;
-            for (int i = 0; i < float_width; ++i) votes += (near[1][i] < near[0][i]) - (near[0][i] < near[1][i]);
-            first = votes > 0 ? 1 : 0;
-        }
-        for (const int i : {1 - first, first}) {
-            if (!met[i]) continue;
-            children_[size] = node.child[i];
-            nears_[size++] = near[i];
+        // What waits and is still within the limits of some ray.
+        for (bool found = false; !found;) {
+            if (size == 0) return;
+            child = children_[--size], reached = &nears_[size];
+            const std::array<int, most_packets> within = within_limits(*reached);
+            found = within[0] + within[1] > 0;
         }
     }
 }

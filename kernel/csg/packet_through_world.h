@@ -56,7 +56,9 @@ private:
     template <Order order, class Visit>
     void walk(Visit visit);
     bool meets(const Hierarchy::Node& node, int child, FloatLanes& near) const;
-    bool is_within_limits(std::size_t packet, const FloatLanes& near) const;
+    static int votes_for_second(const FloatLanes& first, const FloatLanes& second);
+    // How many rays of each packet reach a box within their limits.
+    std::array<int, most_packets> within_limits(const FloatLanes& near) const;
     void meet_solid(std::size_t packet, std::int32_t index, BoundaryPacket& boundaries);
     void meet_sheets(std::size_t packet, BoundaryPacket& boundaries);
 
