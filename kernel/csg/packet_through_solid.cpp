@@ -35,7 +35,8 @@ std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std
         leaf[i] = in[i] > t[i] ? index : leaf[i];
         t[i] = greater(in[i], t[i]);
         first_out[i] = lesser(out[i], first_out[i]);
-        const bool remains = ((alone ? 0 : t[i]) < first_out[i]) & (t[i] <= limit[i]);
+        const double begin = alone ? 0 : t[i];
+        const bool remains = begin < first_out[i] && t[i] <= limit[i];
         t[i] = remains ? t[i] : infinity;
         left += remains;
     }
@@ -140,8 +141,8 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
                 if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);
         }
         for (int i = 0; i < width; ++i) {
-            const bool remains = (unsettled[i] == 0) | ((t[i] < first_out[i]) & (t[i] <= limit[i]));
-            t[i] = remains ? t[i] : infinity;
+            const double kept = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
+            t[i] = unsettled[i] != 0 ? kept : t[i];
         }
     }
 }
@@ -219,9 +220,11 @@ bool PacketThroughSolid::any_in_box(const Bounds& box) const {
     // Counting instead of stopping keeps the lanes together.
     const Positions& p = positions_;
     std::int64_t held = 0;
-    for (int i = 0; i < width; ++i)
-        held += (p.x[i] >= box.low.x - p.slack[i]) & (p.x[i] <= box.high.x + p.slack[i]) & (p.y[i] >= box.low.y - p.slack[i]) &
-                (p.y[i] <= box.high.y + p.slack[i]) & (p.z[i] >= box.low.z - p.slack[i]) & (p.z[i] <= box.high.z + p.slack[i]);
+    for (int i = 0; i < width; ++i) {
+        const double x = p.x[i], y = p.y[i], z = p.z[i], slack = p.slack[i];
+        held += (x >= box.low.x - slack) & (x <= box.high.x + slack) & (y >= box.low.y - slack) & (y <= box.high.y + slack) &
+                (z >= box.low.z - slack) & (z <= box.high.z + slack);
+    }
     return held > 0;
 }
 

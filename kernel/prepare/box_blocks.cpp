@@ -80,8 +80,10 @@ private:
 std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box) {
     std::uint32_t bits = 0;
     for (std::uint32_t i = 0; i < BoxBlock::width; ++i) {
-        const bool overlap = (box.low_x <= block.high_x[i]) & (block.low_x[i] <= box.high_x) & (box.low_y <= block.high_y[i]) &
-                             (block.low_y[i] <= box.high_y) & (box.low_z <= block.high_z[i]) & (block.low_z[i] <= box.high_z);
+        const float low_x = block.low_x[i], low_y = block.low_y[i], low_z = block.low_z[i];
+        const float high_x = block.high_x[i], high_y = block.high_y[i], high_z = block.high_z[i];
+        const bool overlap = (box.low_x <= high_x) & (low_x <= box.high_x) & (box.low_y <= high_y) & (low_y <= box.high_y) &
+                             (box.low_z <= high_z) & (low_z <= box.high_z);
         bits |= overlap ? 1u << i : 0u;
     }
     return bits;
