@@ -28,6 +28,10 @@ constexpr std::size_t most_rays = 64;
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
+// Neighbours reveal edges to two samples as well as to four; only what is smaller than a pixel, and matters to small errors,
+// takes four, and so does a lens, through which everything is spread thin.
+constexpr std::uint32_t first_samples_of_coarse_picture = 2;
+constexpr double least_coarse_error = 0.01;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
@@ -163,7 +167,7 @@ private:
     bool may_go_on(const Pixel& pixel) const;
     double estimated_error(int x, int y) const;
     double own_error(const Pixel& pixel) const;
-    double spread_around(int x, int y) const;
+    double error_around(int x, int y) const;
     double change_around(int x, int y) const;
     Colour colour_of(std::size_t pixel) const;
 
@@ -195,7 +199,7 @@ private:
     Clock::time_point begin_ = Clock::now();
     std::optional<Clock::time_point> deadline_;
     std::optional<double> first_view_;
-    std::uint32_t first_samples_ = first_samples;
+    std::uint32_t first_samples_ = 0;
     std::uint32_t most_samples_ = 0;             // where their number is not fixed
     int most_passes_ = 0;                        // after the first
     PixelRegion picture_;                        // all of it
@@ -220,6 +224,15 @@ std::uint32_t most_samples(const SamplingPlan& plan) {
     return std::max(fewest_at_most, std::bit_ceil(static_cast<std::uint32_t>(needed)));
 }
 
+std::uint32_t first_samples_of(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
+    const bool coarse = plan.error >= least_coarse_error && !plan.refine_until_time_is_up && !camera.has_lens();
+    const std::uint32_t samples = filter.has_negative_lobes() ? first_samples_of_signed_filter
+                                  : coarse                    ? first_samples_of_coarse_picture
+                                                              : first_samples;
+    // Every lens point has its turn.
+    return std::max(samples, std::bit_ceil(static_cast<std::uint32_t>(camera.lens_points())));
+}
+
 Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter,
                const SamplingPlan& plan, Frame& frame, const RenderOptions& options)
     : camera_(camera),
@@ -234,9 +247,7 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
     for (const Layer layer : {Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
         wants_layers_ |= frame.has(layer);
 
-    if (filter.has_negative_lobes()) first_samples_ = first_samples_of_signed_filter;
-    // Every lens point has its turn.
-    first_samples_ = std::max(first_samples_, std::bit_ceil(static_cast<std::uint32_t>(std::max(1, camera.lens_points()))));
+    first_samples_ = first_samples_of(plan, camera, filter);
 
     area_ = region_;
     if (plan.samples == 0) {
@@ -492,7 +503,7 @@ double Passes::estimated_error(int x, int y) const {
     if (count == 0) return infinity;
     const double scale = brightness_scale(pixel.estimate.mean());
     if (plan_.samples > 0) return own_error(pixel);
-    return std::max(error_from_spread(spread_around(x, y), count), change_around(x, y)) / scale;
+    return std::max({error_from_spread(pixel.estimate.spread(), count), error_around(x, y), change_around(x, y)}) / scale;
 }
 
 // Of a fixed number of samples, every pixel by itself; a single sample does not tell how far it is off.
@@ -502,19 +513,19 @@ double Passes::own_error(const Pixel& pixel) const {
     return error_from_spread(pixel.estimate.spread(), count) / brightness_scale(pixel.estimate.mean());
 }
 
-double Passes::spread_around(int x, int y) const {
+double Passes::error_around(int x, int y) const {
     const std::size_t index = index_of(x, y);
     const Colour colour = colour_of(index);
-    double spread = pixels_[index].estimate.spread();
+    double greatest_spread = 0, greatest_contrast = 0;
     const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
     for (int ny = around.y0; ny < around.y1; ++ny)
         for (int nx = around.x0; nx < around.x1; ++nx) {
             const std::size_t neighbour = index_of(nx, ny);
             if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
-            spread = std::max(spread, pixels_[neighbour].estimate.spread() / 2);
-            spread = std::max(spread, contrast(colour, colour_of(neighbour)) / 4);
+            greatest_spread = std::max(greatest_spread, pixels_[neighbour].estimate.spread());
+            greatest_contrast = std::max(greatest_contrast, contrast(colour, colour_of(neighbour)));
         }
-    return spread;
+    return error_from_around(greatest_spread, greatest_contrast, pixels_[index].estimate.count());
 }
 
 double Passes::change_around(int x, int y) const {
@@ -531,7 +542,7 @@ double Passes::change_around(int x, int y) const {
             squares += change * change;
             ++count;
         }
-    return std::sqrt(squares / count);
+    return factor_of_moves * std::sqrt(squares / count);
 }
 
 void Passes::set_goals(std::uint32_t goal) {
