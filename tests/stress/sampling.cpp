@@ -4,10 +4,10 @@
 // The reference is made with another sequence than the sampler's.
 
 #include <cmath>
-#include <map>
 #include <vector>
 
 #include "support/catch.h"
+#include "support/error_ladder.h"
 #include "support/stand_in_picture.h"
 
 using namespace lapidary;
@@ -51,33 +51,8 @@ Difference difference(const Frame& frame, const std::vector<Colour>& reference, 
             static_cast<double>(good) / static_cast<double>(reference.size())};
 }
 
-struct Ladder {
-    std::map<int, double> rmse;  // by samples a pixel
-
-    // Of RMSE ~ n^-a, by least squares over the logarithms.
-    double exponent(int from, int to) const {
-        double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-        for (const auto& [samples, error] : rmse) {
-            if (samples < from || samples > to) continue;
-            const double u = std::log(samples), v = std::log(error);
-            n += 1, x += u, y += v, xx += u * u, xy += u * v;
-        }
-        return -(n * xy - x * y) / (n * xx - x * x);
-    }
-
-    // How many uniform samples have this error.
-    double samples_for(double error) const {
-        auto after = rmse.begin();
-        while (std::next(after, 2) != rmse.end() && std::next(after)->second > error) ++after;
-        const auto& [n0, e0] = *after;
-        const auto& [n1, e1] = *std::next(after);
-        const double part = (std::log(e0) - std::log(error)) / (std::log(e0) - std::log(e1));
-        return n0 * std::pow(static_cast<double>(n1) / n0, part);
-    }
-};
-
-Ladder uniform_ladder(const StandInPicture& picture, const std::vector<Colour>& reference) {
-    Ladder ladder;
+test::ErrorLadder uniform_ladder(const StandInPicture& picture, const std::vector<Colour>& reference) {
+    test::ErrorLadder ladder;
     for (int samples = 4; samples <= 256; samples *= 2) {
         Frame frame = picture.frame();
         SamplingPlan plan;
@@ -101,7 +76,7 @@ TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps i
         picture.width = 64, picture.height = 48;
         picture.soft_shadow = soft_shadow;
         const std::vector<Colour> reference = reference_of(picture);
-        const Ladder uniform = uniform_ladder(picture, reference);
+        const test::ErrorLadder uniform = uniform_ladder(picture, reference);
         INFO((soft_shadow ? "soft shadow" : "edges") << ": exponent " << uniform.exponent(4, 256));
         CHECK(uniform.exponent(4, 256) >= exponent);
 
@@ -124,10 +99,11 @@ TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps i
 }
 
 TEST_CASE("place in the pixel and place on a light leave no bias", "[slow]") {
-    // A product of both pairs of dimensions: tied pairs would leave a floor.
-    const auto product = [](const SampleKey& key) {
+    // A slanted edge across both pairs of dimensions: tied pairs would leave a floor.
+    constexpr double truth = 1 - 0.9 * 0.9 / 2;
+    const auto beyond_edge = [](const SampleKey& key) {
         const SamplePair pixel = sample_pair(key, dimension_pair::pixel), light = sample_pair(key, dimension_pair::first_light);
-        return (pixel.u > 0.5) == (light.u > 0.5) ? 1.0 : 0.0;
+        return pixel.u + light.u > 0.9 ? 1.0 : 0.0;
     };
     double previous = 1;
     for (const std::uint32_t samples : {64u, 256u, 1024u, 4096u}) {
@@ -135,13 +111,13 @@ TEST_CASE("place in the pixel and place on a light leave no bias", "[slow]") {
         constexpr int pixels = 256;
         for (int pixel = 0; pixel < pixels; ++pixel) {
             double sum = 0;
-            for (std::uint32_t i = 0; i < samples; ++i) sum += product(sample_key(pixel, 3, i));
-            squares += std::pow(sum / samples - 0.5, 2) / pixels;
+            for (std::uint32_t i = 0; i < samples; ++i) sum += beyond_edge(sample_key(pixel, 3, i));
+            squares += std::pow(sum / samples - truth, 2) / pixels;
         }
         const double rmse = std::sqrt(squares);
         CHECK(rmse < 0.7 * previous);
         previous = rmse;
     }
-    // Random sampling would have 0.0078 here; a tie between the pairs a floor of 0.5.
-    CHECK(previous < 0.013);
+    // Random sampling would have 0.0077 here.
+    CHECK(previous < 0.0015);
 }

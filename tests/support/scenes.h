@@ -42,4 +42,13 @@ inline std::unique_ptr<BuiltScene> build(std::string text,
     return built;
 }
 
+// The same of a scene's file.
+inline std::unique_ptr<BuiltScene> build_file(const std::filesystem::path& file) {
+    auto built = std::make_unique<BuiltScene>();
+    built->registry = std::make_unique<Registry>(std::vector<std::filesystem::path>{LAPIDARY_PLUGIN_FOLDER});
+    const Document document = load_scene_file(file, {}, built->messages);
+    built->scene = build_scene(document, *built->registry, file.stem(), built->messages);
+    return built;
+}
+
 }  // namespace lapidary::test
