@@ -44,7 +44,8 @@ void LineThroughSolid::select(const Solid& solid) {
 
 // Takes the ray into a leaf's space about the point closest to its centre. The origin moves along the ray in the world
 // first, in two parts, so that what is multiplied by the inverse matrix is short; one more step in the leaf's own space
-// makes the point perpendicular there, too.
+// makes the point perpendicular there, too. Where the space is lopsided that step may be long, and leaves rounding of its
+// length along the line; another one takes that away.
 const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t index) {
     if (placed_leaf_ == index) return placed_;
     placed_leaf_ = index;
@@ -62,6 +63,12 @@ const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t i
         {{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
          direction},
         world_step + step};
+    if (leaf.placement.is_lopsided()) {
+        Point& near = placed_.line.closest;
+        const double again = -dot(near, direction) / dot(direction, direction);
+        near = {std::fma(again, direction.x, near.x), std::fma(again, direction.y, near.y), std::fma(again, direction.z, near.z)};
+        placed_.anchor += again;
+    }
     return placed_;
 }
 

@@ -20,6 +20,20 @@ struct PlacedLines {
     Lanes anchor;
 };
 
+// One more step along the lines, to their points closest to the leaf's centre.
+inline void bring_nearer(PlacedLines& placed) {
+    LineBatch& lines = placed.lines;
+    for (int i = 0; i < batch_size; ++i) {
+        const double x = lines.closest_x[i], y = lines.closest_y[i], z = lines.closest_z[i];
+        const double dx = lines.direction_x[i], dy = lines.direction_y[i], dz = lines.direction_z[i];
+        const double step = -(x * dx + y * dy + z * dz) / (dx * dx + dy * dy + dz * dz);
+        lines.closest_x[i] = std::fma(step, dx, x);
+        lines.closest_y[i] = std::fma(step, dy, y);
+        lines.closest_z[i] = std::fma(step, dz, z);
+        placed.anchor[i] += step;
+    }
+}
+
 // The matrix and the centre are read once, and nothing overlaps: that is what lets the loop become vector instructions.
 template <bool identity>
 void place_lines_by(const Transform& placement, const RayPacket& __restrict rays, PlacedLines& __restrict placed) {
@@ -52,6 +66,7 @@ inline void place_lines(const Transform& placement, const RayPacket& rays, Place
         place_lines_by<true>(placement, rays, placed);
     else
         place_lines_by<false>(placement, rays, placed);
+    if (placement.is_lopsided()) bring_nearer(placed);
 }
 
 }  // namespace lapidary

@@ -283,6 +283,8 @@ Transform::Transform(const ExactTransform& exact)
       identity_linear_(exact.has_identity_linear()) {
     const auto& c = exact.translation();
     centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
+    // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
+    lopsided_ = largest_entry(linear_) * largest_entry(inverse_linear_) > 16;
 }
 
 Point Transform::to_parent(const Point& p) const { return centre_.anchor + (to_parent(to_vector(p)) + centre_.offset); }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,13 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;
 inline Vector multiply(const Vector& v, const Matrix3& m) {
     return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
             v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
+}
+
+inline double largest_entry(const Matrix3& m) {
+    double largest = 0;
+    for (const auto& row : m)
+        for (double entry : row) largest = std::fmax(largest, std::fabs(entry));
+    return largest;
 }
 
 // v M^T for the row vector v.
@@ -91,12 +99,15 @@ public:
     const Matrix3& inverse_linear() const { return inverse_linear_; }
     bool has_identity_linear() const { return identity_linear_; }
     bool mirrors() const;  // the map turns left hands into right ones
+    // Some directions are stretched much more than others: what is near here may be far away in the local space.
+    bool is_lopsided() const { return lopsided_; }
 
 private:
     TwoPartPoint centre_;
     Matrix3 linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Matrix3 inverse_linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     bool identity_linear_ = true;
+    bool lopsided_ = false;
 };
 
 }  // namespace lapidary

@@ -58,13 +58,6 @@ double value(const Matrix3& form, const Vector& v) {
     return sum;
 }
 
-double largest_entry(const Matrix3& m) {
-    double largest = 0;
-    for (const auto& row : m)
-        for (double entry : row) largest = std::max(largest, std::fabs(entry));
-    return largest;
-}
-
 double largest_difference(const Matrix3& a, const Matrix3& b) {
     double largest = 0;
     for (int i = 0; i < 3; ++i)
@@ -200,6 +193,7 @@ private:
     void gather() {
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
             const Leaf& leaf = world_.leaves[i];
+            warn_of_distance(leaf);
             Surfaces surfaces = leaf.object->surfaces();
             if (leaf.object->is_sheet()) {
                 // A sheet bounds nothing, but may lie in a face: its one plane takes part.
@@ -210,6 +204,21 @@ private:
             for (std::size_t face = 0; face < surfaces.size(); ++face)
                 add(place(leaf, surfaces[face]), static_cast<std::int32_t>(i), static_cast<std::int32_t>(face));
         }
+    }
+
+    // Once: what stands so far out that its faces cannot be told from one another.
+    void warn_of_distance(const Leaf& leaf) {
+        const Vector own = leaf.object->bounds().diagonal();
+        if (is_far_ || !(dot(own, own) < infinity)) return;
+        const double size = length(leaf.placement.to_parent(own)), far = length(to_vector(leaf.placement.centre().anchor));
+        const double tolerance = coincidence_tolerance(far, size);
+        if (size > 16 * tolerance) return;
+        is_far_ = true;
+        messages_.warning(
+            leaf.place,
+            fmt::format("this object of size {:.2g} stands where numbers are {:.2g} apart, and faces within {:.2g} count as "
+                        "one; move the scene nearer to the origin",
+                        size, std::nextafter(far, infinity) - far, tolerance));
     }
 
     void add(PlacedSurface surface, std::int32_t leaf, std::int32_t face) {
@@ -263,6 +272,8 @@ private:
     }
 
     void report_near(const Leaf& leaf, const Leaf& other, double apart) {
+        // Far from the origin the tolerance is large; what is not near for the size of the objects is meant.
+        if (apart > 1e-3 * std::min(length(leaf.box.diagonal()), length(other.box.diagonal()))) return;
         messages_.warning(
             leaf.place,
             fmt::format("a face of this object is {:.1g} away from a face of the one at line {}; is that meant? They are "
@@ -313,6 +324,7 @@ private:
 
     World& world_;
     Messages& messages_;
+    bool is_far_ = false;  // and that was told
     Bounds scene_;
     Point probe_;
     std::vector<PlacedSurface> surfaces_;

@@ -83,6 +83,13 @@ TEST_CASE("Packets give the bits of single rays: trees that are no products, rin
           0);
 }
 
+TEST_CASE("Packets give the bits of single rays: needles and pancakes") {
+    CHECK(differences(head + R"(objects {
+        sphere { colour(0.9, 0.2, 0.1); transform { rotx(0.3); scale(1000, 0.5, 0.001); roty(0.7); } }
+        cube { colour(0.2, 0.8, 0.1); transform { scale(0.001, 1, 300); roty(0.4); translate(0.5, 0, 0); } }
+        subtraction { cone { transform { scale(1, 100, 0.01); } } sphere { transform { scale(0.5, 1, 0.5); } } } })") == 0);
+}
+
 TEST_CASE("Packets give the bits of single rays: a camera inside, and many operands") {
     CHECK(differences(R"(
         camera { location(0, 0, 0); angle(80deg); rays(1); }
