@@ -179,7 +179,7 @@ double LineThroughSolid::enter(double t) {
         const double in = enter(solid_->root, t);
         if (in == infinity || solid_->leaf_count == 1) return in;
         // What is inside a sliver's length further on, too, is no sliver: the common case, cheap to see.
-        const double longest = sliver_length(in);
+        const double longest = sliver_length(solid_->rounding, in);
         if (inside(solid_->root, in + longest, Side::after)) return in;
         const double out = leave(solid_->root, in);
         if (out - in > longest) return in;
@@ -192,7 +192,7 @@ double LineThroughSolid::leave(double t) {
     for (;;) {
         const double out = leave(solid_->root, t);
         if (out == infinity || solid_->leaf_count == 1) return out;
-        const double longest = sliver_length(out);
+        const double longest = sliver_length(solid_->rounding, out);
         if (!inside(solid_->root, out + longest, Side::after)) return out;
         const double in = enter(solid_->root, out);
         if (in - out > longest || out == t) return out;

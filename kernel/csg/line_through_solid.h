@@ -108,7 +108,6 @@ private:
     bool inside(std::int32_t node, double t, Side side);
     Label label(std::int32_t node, double t, Side side);
     std::int32_t leaf_at(std::int32_t node, double t);
-    double sliver_length(double t) const { return 64 * 0x1p-53 * std::fabs(t) + solid_->rounding; }
     double first_change(std::span<const std::int32_t> operands, double t);
     bool box_holds(const Bounds& box, double t) const;
     bool box_is_missed(const Bounds& box, double t) const;

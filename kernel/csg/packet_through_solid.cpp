@@ -175,7 +175,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
 void PacketThroughSolid::reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf) {
     Lanes further, doubtful;
     for (int i = 0; i < width; ++i) {
-        further[i] = t[i] + (64 * 0x1p-53 * t[i] + solid.rounding);
+        further[i] = t[i] + sliver_length(solid.rounding, t[i]);
         doubtful[i] = further[i] < first_out[i] ? 0 : 1;
     }
     for (std::size_t slot = 0; slot < asked_count_; ++slot) {
@@ -205,7 +205,7 @@ void PacketThroughSolid::find_positions(const Origins& __restrict origins, const
     for (int i = 0; i < width; ++i) {
         const bool counts = unsettled[i] != 0 && t[i] < infinity;
         const double at = counts ? t[i] : 0;
-        const double slack = counts ? 0x1p-50 * (origins.size[i] + at) + (64 * 0x1p-53 * at + rounding) : -infinity;
+        const double slack = counts ? 0x1p-50 * (origins.size[i] + at) + sliver_length(rounding, at) : -infinity;
         const double x = origins.x[i] + at * direction.x[i];
         const double y = origins.y[i] + at * direction.y[i];
         const double z = origins.z[i] + at * direction.z[i];

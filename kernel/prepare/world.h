@@ -7,6 +7,7 @@
 // contiguously, so that what is computed for a line through one solid fits in a small array.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -86,6 +87,11 @@ struct Solid {
     std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
     std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
 };
+
+// The longest cell of a line through a solid that rounding alone may have made, at t: what its two ends lost in their leaves'
+// spaces, which is the solid's `rounding`, and two roundings of t each, as a position in a leaf's space is added to that of the
+// space's anchor. Shells that are thicker than a few ulp of t are kept from any distance.
+inline double sliver_length(double rounding, double t) { return 4 * 0x1p-53 * std::fabs(t) + rounding; }
 
 // A surface without inside, with the operands that clip it on the way from its leaf to the top of its tree.
 struct Sheet {
