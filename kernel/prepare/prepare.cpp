@@ -20,10 +20,13 @@ namespace {
 
 constexpr std::int32_t no_material = -1;
 
-// The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off.
+// The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off. Lines are
+// placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
 Bounds padded_box(const Leaf& leaf) {
     Bounds box = leaf.placement.to_parent(leaf.object->bounds());
-    const double padding = 2 * coincidence_tolerance(largest_coordinate(box), box.is_finite() ? length(box.diagonal()) : 0);
+    const Point centre = leaf.placement.centre().rounded();
+    const double coordinate = std::max(largest_coordinate(box), largest_coordinate({centre, centre}));
+    const double padding = 2 * coincidence_tolerance(coordinate, box.is_finite() ? length(box.diagonal()) : 0);
     const Vector pad{padding, padding, padding};
     return {box.low - pad, box.high + pad};
 }
