@@ -50,6 +50,7 @@ public:
         emit_everything();
         for (const Solid& solid : world_.solids)
             if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
+        set_rounding();
         recognise_coincident_surfaces(world_, messages_);
         for (Solid& solid : world_.solids) find_product_form(solid);
         build_hierarchy();
@@ -245,7 +246,6 @@ private:
         solid.root = emit_node(draft);
         solid.leaf_count = static_cast<std::int32_t>(world_.leaves.size()) - solid.first_leaf;
         solid.box = draft.box;
-        solid.rounding = coincidence_tolerance(0, draft.box.is_finite() ? length(draft.box.diagonal()) : 1);
         for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
             const Leaf& leaf = world_.leaves[solid.first_leaf + i];
             solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;
@@ -283,6 +283,14 @@ private:
         }
         world_.nodes.push_back(node);
         return static_cast<std::int32_t>(world_.nodes.size()) - 1;
+    }
+
+    // What has no bounds is taken to be as large as the scene.
+    void set_rounding() {
+        const double scene_size = length(region_of_interest(world_).diagonal());
+        for (std::vector<Solid>* solids : {&world_.solids, &world_.clips})
+            for (Solid& solid : *solids)
+                solid.rounding = coincidence_tolerance(0, solid.box.is_finite() ? length(solid.box.diagonal()) : scene_size);
     }
 
     void find_product_form(Solid& solid) {

@@ -181,9 +181,9 @@ public:
     Recogniser(World& world, Messages& messages) : world_(world), messages_(messages) {}
 
     void run() {
-        scene_ = world_.bounds.is_empty() ? Bounds::cube(1) : world_.bounds;
-        const Vector size = scene_.diagonal();
-        probe_ = scene_.centre() + Vector{0.7310 * size.x + 0.1931, 0.6173 * size.y + 0.2719, 0.9137 * size.z + 0.3557};
+        scene_ = region_of_interest(world_);
+        // Goes with the scene's size: the same scene at another scale gets the same classes, and the same representatives.
+        probe_ = scene_.centre() + length(scene_.diagonal()) * Vector{0.7310, 0.6173, 0.9137};
         gather();
         classify();
         assign();
@@ -337,6 +337,18 @@ double largest_coordinate(const Bounds& box) {
     for (double c : {box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z})
         if (std::isfinite(c)) largest = std::max(largest, std::fabs(c));
     return largest;
+}
+
+Bounds region_of_interest(const World& world) {
+    if (!world.bounds.is_empty()) return world.bounds;
+    Bounds of_leaves, of_centres;
+    for (const Leaf& leaf : world.leaves) {
+        if (leaf.box.is_finite()) of_leaves = unite(of_leaves, leaf.box);
+        of_centres = unite(of_centres, leaf.placement.centre().rounded());
+    }
+    for (const Bounds& region : {of_leaves, of_centres})
+        if (!region.is_empty() && length(region.diagonal()) > 0) return region;
+    return Bounds::cube(1);
 }
 
 void recognise_coincident_surfaces(World& world, Messages& messages) { Recogniser(world, messages).run(); }
