@@ -335,7 +335,8 @@ void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) 
         Departure departure = faces.departure[lane];
         departure.inward = dot(direction, faces.outward[lane]) < 0;
         shadows_.rays[packet].add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]});
-        shadows_.distances[packet][shadow % width] = light.distance[lane];
+        const Point from{faces.points.x[lane], faces.points.y[lane], faces.points.z[lane]};
+        shadows_.distances[packet][shadow % width] = end_before_light(from, light.distance[lane]);
         const Colour radiance{light.r[lane], light.g[lane], light.b[lane]};
         shadows_.diffuse[shadow] = aimed.diffuse[lane] * radiance;
         shadows_.highlight[shadow] = aimed.highlight[lane] * radiance;

@@ -182,7 +182,8 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
     ++statistics.shadow_rays;
     RayThroughWorld& through = shadow_through_world;
     through.start(shadow);
-    if (!world.features.transparency) return through.is_blocked(distance) ? Colour::black() : Colour::white();
+    const double end = end_before_light(shadow.origin.rounded(), distance);
+    if (!world.features.transparency) return through.is_blocked(end) ? Colour::black() : Colour::white();
 
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
@@ -190,7 +191,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
         const Boundary boundary = through.next(from, label);
         if (!label.is_empty())
             passed = passed * medium_lets_through(world.materials[label.medium], shadow, from, std::min(boundary.t, distance));
-        if (boundary.t >= distance) break;
+        if (boundary.t >= end) break;
         const bool has_face = boundary.leaf >= 0 && (boundary.is_sheet() || !(boundary.before == boundary.after));
         if (has_face) passed = face_lets_through(boundary, shadow) * passed;
         label = boundary.after;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -45,6 +46,14 @@ struct Encounter {
     Departure departure;
     Normal outward;
 };
+
+// Where a shadow ray ends: as far before the light as makes sure that a face which the light stands on does not block it,
+// whatever rounding does, while the cosine between ray and face normal is above 1/1000. Of a light at infinity: nowhere.
+inline double end_before_light(const Point& from, double distance) {
+    if (distance == infinity) return distance;
+    const double size = std::fmax(std::fabs(from.x), std::fmax(std::fabs(from.y), std::fabs(from.z)));
+    return distance - 4096 * 0x1p-53 * (distance + size);
+}
 
 // A light as it falls on an encounter, before shadow.
 struct AimedLight {
