@@ -3,6 +3,7 @@
 // Solids made in code: leaves from the built plugins, placed by chains of factors, combined by operations.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -92,53 +93,97 @@ private:
     }
 };
 
-// A World of one tree, and the spans of rays through it.
+// A World of one tree, or of several side by side, and the spans of rays through it.
 class SpansThrough {
 public:
-    explicit SpansThrough(const SceneNodePtr& root) {
+    explicit SpansThrough(const SceneNodePtr& root) : SpansThrough(std::vector<SceneNodePtr>{root}) {}
+
+    explicit SpansThrough(const std::vector<SceneNodePtr>& roots) {
         auto all = std::make_shared<SceneNode>();
         all->operation = Operation::union_;
-        all->operands = {root};
+        all->operands = roots;
         Scene scene;
         scene.root = all;
-        world_ = prepare_world(scene, messages);
-        line_ = std::make_unique<LineThroughSolid>(*world_, statistics_);
+        use(prepare_world(scene, messages));
+        assign_solids(roots);
     }
 
+    explicit SpansThrough(std::shared_ptr<const World> world) { use(std::move(world)); }
+
     const World& world() const { return *world_; }
+    const TraceStatistics& statistics() const { return statistics_; }
 
     // Where the ray runs inside the union of all solids of the World, from its origin on. Solids are merged by their ends
     // as they are, without any tolerance.
-    std::vector<Span> operator()(const Ray& ray) {
+    std::vector<Span> operator()(const Ray& ray) { return spans(ray, all_); }
+
+    // The same for the solids of one of the roots only.
+    std::vector<Span> operator()(const Ray& ray, std::size_t root) { return spans(ray, of_root_[root]); }
+
+    Messages messages;
+
+private:
+    using Solids = std::vector<const Solid*>;
+
+    void use(std::shared_ptr<const World> world) {
+        world_ = std::move(world);
+        line_ = std::make_unique<LineThroughSolid>(*world_, statistics_);
+        for (const Solid& solid : world_->solids) all_.push_back(&solid);
+    }
+
+    // Leaves are numbered in the order of writing, those that are left out later included.
+    void assign_solids(const std::vector<SceneNodePtr>& roots) {
+        std::vector<std::int32_t> last;
+        for (const SceneNodePtr& root : roots) last.push_back((last.empty() ? 0 : last.back()) + count_leaves(*root));
+        of_root_.resize(roots.size());
+        for (const Solid& solid : world_->solids) {
+            const auto root = std::lower_bound(last.begin(), last.end(), world_->leaves[solid.first_leaf].number) - last.begin();
+            of_root_[static_cast<std::size_t>(root)].push_back(&solid);
+        }
+    }
+
+    // Trees may be very deep.
+    static std::int32_t count_leaves(const SceneNode& root) {
+        std::int32_t leaves = 0;
+        std::vector<const SceneNode*> pending{&root};
+        while (!pending.empty()) {
+            const SceneNode* node = pending.back();
+            pending.pop_back();
+            leaves += node->operation == Operation::leaf;
+            for (const SceneNodePtr& operand : node->operands) pending.push_back(operand.get());
+        }
+        return leaves;
+    }
+
+    std::vector<Span> spans(const Ray& ray, const Solids& solids) {
         line_->start(ray);
         std::vector<Span> spans;
         for (double t = 0; t < infinity;) {
-            const double in = leap(t, true);
+            const double in = enter(t, solids);
             if (in == infinity) break;
-            const double out = leap(in, false);
+            const double out = leave(in, solids);
             spans.push_back({in, out});
             t = out;
         }
         return spans;
     }
 
-    Messages messages;
-
-private:
-    // The smallest t' >= t inside any solid, or outside of all.
-    double leap(double t, bool enters) {
-        if (enters) {
-            double first = infinity;
-            for (const Solid& solid : world_->solids) {
-                line_->select(solid);
-                first = std::min(first, line_->enter(t));
-            }
-            return first;
+    // The smallest t' >= t inside any solid.
+    double enter(double t, const Solids& solids) {
+        double first = infinity;
+        for (const Solid* solid : solids) {
+            line_->select(*solid);
+            first = std::min(first, line_->enter(t));
         }
+        return first;
+    }
+
+    // The smallest t' >= t outside of all.
+    double leave(double t, const Solids& solids) {
         for (bool unchanged = false; !unchanged && t < infinity;) {
             unchanged = true;
-            for (const Solid& solid : world_->solids) {
-                line_->select(solid);
+            for (const Solid* solid : solids) {
+                line_->select(*solid);
                 const double out = line_->leave(t);
                 if (out != t) unchanged = false;
                 t = out;
@@ -150,8 +195,21 @@ private:
     TraceStatistics statistics_;
     std::shared_ptr<const World> world_;
     std::unique_ptr<LineThroughSolid> line_;
+    Solids all_;
+    std::vector<Solids> of_root_;
 };
 
 inline Ray ray_from(const Point& origin, const Vector& direction) { return {origin, normalize(direction), {}, {}}; }
+
+// The same line backward, from a place ahead on it. A distance that is a power of two takes nothing from the place's digits.
+inline Ray reversed(const Ray& ray, double distance) {
+    return {{ray.origin.anchor, ray.origin.offset + distance * ray.direction}, -ray.direction, {}, ray.key};
+}
+
+// A ray that departs from a face, as the renderer makes it.
+inline Ray ray_off(const FaceHit& face, const Vector& direction) {
+    const Normal outward = face.class_flipped ? -face.normal : face.normal;
+    return {face.point, direction, {face.leaf, face.surface_class, dot(direction, outward) < 0}, {}};
+}
 
 }  // namespace lapidary
