@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernel/csg/departure.h"
+#include "kernel/csg/near_root.h"
 #include "kernel/math/roots.h"
 
 namespace lapidary {
@@ -85,11 +86,19 @@ std::span<const Span> LineThroughSolid::spans(std::int32_t index) {
         } else {
             const PlacedLine& placed = placed_line(index);
             cached.count = leaf.object->spans(placed.line, out);
-            for (int i = 0; i < cached.count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
-            if (ray_.departure.leaf == index) cached.count = remove_departure_root(out, cached.count, ray_.departure.inward);
+            cached.count = in_world(placed, leaf, world_.faces_of(leaf), ray_.departure.leaf == index, out, cached.count);
         }
     }
     return {out, static_cast<std::size_t>(cached.count)};
+}
+
+// Takes spans from the leaf's t to that of the ray, which may depart from one of the given faces. Returns how many remain.
+int LineThroughSolid::in_world(const PlacedLine& placed, const Leaf& leaf, std::span<const Surface> faces, bool departing,
+                               Span* spans, int count) const {
+    for (int i = 0; i < count; ++i) spans[i] = {placed.anchor + spans[i].in, placed.anchor + spans[i].out};
+    if (departing) count = remove_departure_root(spans, count, ray_.departure.inward);
+    for (int i = 0; i < count; ++i) find_near_ends(spans[i], ray_, leaf.placement, faces, placed.anchor, departing);
+    return count;
 }
 
 // A leaf that shares faces with others is the intersection of what its surfaces bound, each met at its class's t.
@@ -133,8 +142,8 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) {
         } else {
             count = leaf.object->spans(placed.line, out);  // the surface bounds all of the solid
         }
-        for (int i = 0; i < count; ++i) out[i] = {placed.anchor + out[i].in, placed.anchor + out[i].out};
-        if (departing) count = remove_departure_root(out, count, ray_.departure.inward);
+        const auto faces = surface_class.whole ? std::span<const Surface>() : std::span<const Surface>(&surface, 1);
+        count = in_world(placed, leaf, faces, departing, out, count);
     }
     return use.flipped ? complement(out, count) : count;
 }
@@ -156,6 +165,7 @@ int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool depart
         return inside ? 1 : 0;
     }
     out[0] = slope > 0 ? Span{-infinity, t} : Span{t, infinity};
+    find_near_ends(out[0], ray_, leaf.placement, {&surface_class.surface, 1}, placed.anchor, departing);
     return 1;
 }
 
@@ -440,7 +450,9 @@ double LineThroughSolid::cross_sheet(std::int32_t index) {
     if (ray_.departure.leaf == index) return infinity;
     const PlacedLine& placed = placed_line(index);
     if (leaf.object->spans(placed.line, scratch_.data()) == 0) return infinity;
-    return placed.anchor + scratch_[0].in;
+    const double t = placed.anchor + scratch_[0].in;
+    if (!is_near_root(t, placed.anchor)) return t;
+    return near_root(ray_, leaf.placement, world_.faces_of(leaf), t, placed.anchor, Passing::either);
 }
 
 }  // namespace lapidary

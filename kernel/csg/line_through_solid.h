@@ -102,6 +102,8 @@ private:
     int intersect_surfaces(const Leaf& leaf, Span* out);
     int surface_spans(const SurfaceUse& use, Span* out);
     int plane_spans(const SurfaceClass& surface_class, bool departing, Span* out);
+    int in_world(const PlacedLine& placed, const Leaf& leaf, std::span<const Surface> faces, bool departing, Span* spans,
+                 int count) const;
 
     double enter(std::int32_t node, double t);
     double leave(std::int32_t node, double t);

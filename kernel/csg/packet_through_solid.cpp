@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernel/csg/departure.h"
+#include "kernel/csg/near_root.h"
 #include "kernel/math/roots.h"
 
 namespace lapidary {
@@ -100,7 +101,12 @@ double PacketThroughSolid::leave(const Solid& solid, int lane) {
 void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
     Lanes in, out;
     own_spans(world_.leaves[leaf], in, out);
-    for (int i = 0; i < width; ++i) t[i] = rays_->departure[i].leaf == leaf ? infinity : placed_.anchor[i] + in[i];
+    for (int i = 0; i < width; ++i) {
+        t[i] = rays_->departure[i].leaf == leaf ? infinity : placed_.anchor[i] + in[i];
+        if (is_near_root(t[i], placed_.anchor[i]))
+            t[i] = near_root(rays_->ray(i), world_.leaves[leaf].placement, world_.faces_of(world_.leaves[leaf]), t[i],
+                             placed_.anchor[i], Passing::either);
+    }
 }
 
 void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
@@ -249,6 +255,22 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out) {
         out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
     }
     if (first_departed_ <= index && index <= last_departed_) remove_departures(in, out, index, -1);
+    find_near_ends_of_lanes(
+        leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
+}
+
+template <class Departs>
+void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
+                                                 Lanes& out) const {
+    int near = 0;
+    for (int i = 0; i < width; ++i) near += is_near_root(in[i], placed_.anchor[i]) | is_near_root(out[i], placed_.anchor[i]);
+    if (near == 0) return;
+    for (int i = 0; i < rays_->count; ++i) {
+        if (!(in[i] < out[i])) continue;
+        Span span{in[i], out[i]};
+        find_near_ends(span, rays_->ray(i), leaf.placement, faces, placed_.anchor[i], departs(rays_->departure[i]));
+        in[i] = span.in, out[i] = span.out;
+    }
 }
 
 // In the leaf's own t, with placed_ set to its lines.
@@ -265,6 +287,9 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
         const SurfaceUse& use = world_.surface_uses[leaf.first_surface + s];
         const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
         const Leaf& frame = world_.leaves[surface_class.leaf];
+        const auto departs_from_class = [&use](const Departure& departure) {
+            return departure.surface_class == use.surface_class;
+        };
         Lanes surface_in, surface_out;
         if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
             plane_spans(use, frame, surface_class.surface, surface_in, surface_out);
@@ -284,6 +309,8 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
                 surface_out[i] = empty ? -infinity : placed_.anchor[i] + surface_out[i];
             }
             if (rays_->departs) remove_departures(surface_in, surface_out, -1, use.surface_class);
+            if (!surface_class.whole)
+                find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, surface_in, surface_out);
         }
         for (int i = 0; i < width; ++i) {
             in[i] = surface_in[i] > in[i] ? surface_in[i] : in[i];
@@ -297,6 +324,7 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
 void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
     const LineBatch& lines = placed_.lines;
+    const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
     const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
     for (int i = 0; i < width; ++i) {
         const double slope = plane.a * lines.direction_x[i] + plane.b * lines.direction_y[i] + plane.c * lines.direction_z[i];
@@ -311,10 +339,11 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
     if (rays_->departs)
         for (int i = 0; i < width; ++i) {
             const Departure& departure = rays_->departure[i];
-            if (departure.surface_class != use.surface_class) continue;
+            if (!departs_from_class(departure)) continue;
             in[i] = departure.inward ? 0 : -infinity;
             out[i] = departure.inward ? infinity : 0;
         }
+    find_near_ends_of_lanes(frame, {&plane, 1}, departs_from_class, in, out);
     if (use.flipped)
         for (int i = 0; i < width; ++i) {
             // The other side of the plane, with the same t.

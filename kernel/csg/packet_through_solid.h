@@ -67,6 +67,9 @@ private:
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     void own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
+    // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
+    template <class Departs>
+    void find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in, Lanes& out) const;
     const PlacedLines& placed_lines(std::int32_t leaf);
     void remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const;
 

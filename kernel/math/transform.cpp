@@ -285,6 +285,8 @@ Transform::Transform(const ExactTransform& exact)
     centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
     // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
     lopsided_ = largest_entry(linear_) * largest_entry(inverse_linear_) > 16;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) inverse_linear_rest_[i][j] = exact.inverse_linear()[i][j].lo;
 }
 
 Point Transform::to_parent(const Point& p) const { return centre_.anchor + (to_parent(to_vector(p)) + centre_.offset); }
@@ -293,6 +295,27 @@ Point Transform::to_local(const Point& p) const { return to_local(TwoPartPoint(p
 Point Transform::to_local(const TwoPartPoint& p) const {
     const TwoPartVector from_centre = p - centre_;
     return to_point(to_local(from_centre.hi) + to_local(from_centre.lo));
+}
+
+std::array<TwoPart, 3> Transform::to_local_two_part(const TwoPartPoint& p) const {
+    const auto from_centre = [](double anchor, double offset, double centre, double centre_offset) {
+        return two_difference(anchor, centre) + two_difference(offset, centre_offset);
+    };
+    return to_local_two_part({from_centre(p.anchor.x, p.offset.x, centre_.anchor.x, centre_.offset.x),
+                              from_centre(p.anchor.y, p.offset.y, centre_.anchor.y, centre_.offset.y),
+                              from_centre(p.anchor.z, p.offset.z, centre_.anchor.z, centre_.offset.z)});
+}
+
+std::array<TwoPart, 3> Transform::to_local_two_part(const Vector& v) const {
+    return to_local_two_part(std::array<TwoPart, 3>{v.x, v.y, v.z});
+}
+
+std::array<TwoPart, 3> Transform::to_local_two_part(const std::array<TwoPart, 3>& v) const {
+    if (identity_linear_) return v;
+    std::array<TwoPart, 3> local;
+    for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) local[j] = local[j] + v[i] * TwoPart(inverse_linear_[i][j], inverse_linear_rest_[i][j]);
+    return local;
 }
 
 TwoPartPoint Transform::to_parent_two_part(const Point& p) const {

@@ -91,6 +91,9 @@ public:
 
     // A^-1 (p - centre), the difference taken in two parts: keeps its digits far from the world's origin.
     Point to_local(const TwoPartPoint& p) const;
+    // The same in two parts throughout, for what a point beside a large surface asks.
+    std::array<TwoPart, 3> to_local_two_part(const TwoPartPoint& p) const;
+    std::array<TwoPart, 3> to_local_two_part(const Vector& v) const;
     // The parent's point as anchor (this space's centre) and offset.
     TwoPartPoint to_parent_two_part(const Point& p) const;
 
@@ -103,11 +106,14 @@ public:
     bool is_lopsided() const { return lopsided_; }
 
 private:
+    std::array<TwoPart, 3> to_local_two_part(const std::array<TwoPart, 3>& v) const;
+
     TwoPartPoint centre_;
     Matrix3 linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Matrix3 inverse_linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     bool identity_linear_ = true;
     bool lopsided_ = false;
+    Matrix3 inverse_linear_rest_{};  // what rounding the inverse left over
 };
 
 }  // namespace lapidary

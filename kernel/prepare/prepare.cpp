@@ -51,6 +51,7 @@ public:
         for (const Solid& solid : world_.solids)
             if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
         set_rounding();
+        for (Leaf& leaf : world_.leaves) note_faces(leaf);
         recognise_coincident_surfaces(world_, messages_);
         for (Solid& solid : world_.solids) find_product_form(solid);
         build_hierarchy();
@@ -237,6 +238,13 @@ private:
         sheet.leaf = static_cast<std::int32_t>(world_.leaves.size());
         world_.leaves.push_back(std::move(draft.leaf));
         world_.sheets.push_back(std::move(sheet));
+    }
+
+    void note_faces(Leaf& leaf) {
+        const Surfaces surfaces = leaf.object->surfaces();
+        leaf.first_face = static_cast<std::int32_t>(world_.faces.size());
+        leaf.face_count = static_cast<std::int32_t>(surfaces.size());
+        world_.faces.insert(world_.faces.end(), surfaces.begin(), surfaces.end());
     }
 
     Solid emit_solid(const Draft& draft) {

@@ -57,9 +57,10 @@ struct Leaf {
     double priority = 0;
     std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
     std::int32_t surface_count = 0;
-    std::int32_t number = 0;            // of the object for the `object` layer, from 1 in the order of writing
-    const SceneNode* source = nullptr;  // as written
-    const std::string* name = nullptr;  // its own, else of the innermost block around it that has one; null: none
+    std::int32_t first_face = 0, face_count = 0;  // in World::faces; none where its faces are of no known kind
+    std::int32_t number = 0;                      // of the object for the `object` layer, from 1 in the order of writing
+    const SceneNode* source = nullptr;            // as written
+    const std::string* name = nullptr;            // its own, else of the innermost block around it that has one; null: none
     Place place;
 };
 
@@ -125,6 +126,7 @@ public:
     std::vector<Sheet> sheets;
     std::vector<std::int32_t> product_leaves;
     std::vector<BoxBlock> negative_blocks;
+    std::vector<Surface> faces;  // of all leaves, each in its leaf's space
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;
@@ -138,6 +140,10 @@ public:
     std::int32_t most_spans = 1;          // of one leaf
     Features features;
     SceneNodePtr root;  // keeps objects and materials alive
+
+    std::span<const Surface> faces_of(const Leaf& leaf) const {
+        return {faces.data() + leaf.first_face, static_cast<std::size_t>(leaf.face_count)};
+    }
 };
 
 // Never fails: what cannot be used is left out, with a warning (a sheet that subtracts) or an error (a tree too deep).

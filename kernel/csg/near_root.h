@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+//
+// Roots near the origin of a ray, to full relative precision.
+//
+// A leaf answers about the line's point closest to its centre. Where that point is far off, t = anchor + end carries the
+// rounding of the anchor, u |anchor|: beside a large surface (an eye above a planet) more than t itself. There the root is found
+// anew, by Newton's method from where it was, on the surface's equation
+//
+//     f(o + t d) = 0,   f < 0 inside,
+//
+// evaluated in two-part arithmetic at a point that is taken into the surface's space in two parts, too. The slope only steers and
+// is an ordinary double: what the iteration comes to rest at is decided by f alone, to about u^2 |anchor| / cos of the angle.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "kernel/export.h"
+#include "kernel/interfaces/object.h"
+#include "kernel/math/transform.h"
+#include "kernel/render/ray.h"
+
+namespace lapidary {
+
+// Whether the rounding of t = anchor + end is worth removing: it is at most 64 half-ulp of t elsewhere.
+inline bool is_near_root(double t, double anchor) { return std::fabs(t) < 0x1p-6 * std::fabs(anchor); }
+
+// Which way the line passes a surface.
+enum class Passing { in, out, either };
+
+// Of the roots of the surfaces, in the space of `placement`, the one that t stands for; t where there is none.
+LAPIDARY_API double near_root(const Ray& ray, const Transform& placement, std::span<const Surface> surfaces, double t,
+                              double anchor, Passing passing);
+
+// The same for both ends of a span. An end at 0 of a leaf that the ray departs from is exact as it is.
+inline void find_near_ends(Span& span, const Ray& ray, const Transform& placement, std::span<const Surface> surfaces,
+                           double anchor, bool departing) {
+    const auto is_wanted = [&](double t) { return is_near_root(t, anchor) && !(departing && t == 0); };
+    if (is_wanted(span.in)) span.in = near_root(ray, placement, surfaces, span.in, anchor, Passing::in);
+    if (is_wanted(span.out)) span.out = near_root(ray, placement, surfaces, span.out, anchor, Passing::out);
+}
+
+}  // namespace lapidary
