@@ -37,8 +37,8 @@ void add_trace(const TraceStatistics& trace, std::vector<std::string>& lines) {
     const std::uint64_t rays = trace.camera_rays + trace.mirrored_rays + trace.refracted_rays + trace.shadow_rays;
     lines.push_back(fmt::format("{} tests of objects, {:.1f} a ray", trace.object_tests, share(trace.object_tests, rays)));
     if (trace.march_steps) lines.push_back(fmt::format("{} boundaries met inside transparent matter", trace.march_steps));
-    if (trace.non_finite_samples)
-        lines.push_back(fmt::format("{} samples dropped that were no numbers", trace.non_finite_samples));
+    lines.push_back(fmt::format("rounding: {} slivers removed, {} rays began in another cell than expected, {} samples dropped",
+                                trace.slivers_removed, trace.first_cell_disagreements, trace.non_finite_samples));
 }
 
 // The words as a shell would take them.

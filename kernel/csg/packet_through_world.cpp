@@ -36,6 +36,7 @@ double reach_of(const Hierarchy& hierarchy) {
 
 PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& statistics)
     : world_(world),
+      statistics_(statistics),
       single_(world, statistics),
       reach_(reach_of(world.hierarchy)),
       solids_{PacketThroughSolid(world, statistics), PacketThroughSolid(world, statistics)} {}
@@ -184,6 +185,7 @@ void PacketThroughWorld::first_boundaries(std::span<const RayPacket> packets, st
     for (std::size_t p = 0; p < packets.size(); ++p) {
         limits_[p].v.fill(infinity);
         boundaries[p].t.v.fill(infinity), boundaries[p].solid.fill(-1), boundaries[p].leaf.fill(-1);
+        boundaries[p].starts_inside = 0;
     }
     start(packets);
     for_each_solid<Order::near_first>([&](std::size_t p, std::int32_t solid) { meet_solid(p, solid, boundaries[p]); });
@@ -200,7 +202,11 @@ void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, Boun
     std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) inside += t[i] == 0;
     for (int i = 0; inside > 0 && i < packets_[packet].count; ++i)
-        if (t[i] == 0) t[i] = solids_[packet].leave(solid, i), leaf[i] = -1;  // the way out is what is met
+        if (t[i] == 0) {  // the way out is what is met
+            t[i] = solids_[packet].leave(solid, i), leaf[i] = -1;
+            boundaries.starts_inside |= 1u << i;
+            count_start_inside(packets_[packet].departure[static_cast<std::size_t>(i)], statistics_);
+        }
 
     std::int64_t closer = 0;
     for (int i = 0; i < width; ++i) {
@@ -247,8 +253,11 @@ unsigned PacketThroughWorld::blocked(std::span<const RayPacket> packets, std::sp
         std::int64_t hits = 0;
         for (int i = 0; i < width; ++i) hits += t[i] < limits[i];
         if (hits == 0) return;
-        for (int i = 0; i < packets[p].count; ++i)
-            if (t[i] < limits[i]) blocked |= 1u << (static_cast<int>(p) * width + i), limits[i] = -1;
+        for (int i = 0; i < packets[p].count; ++i) {
+            if (!(t[i] < limits[i])) continue;
+            if (t[i] == 0) count_start_inside(packets[p].departure[static_cast<std::size_t>(i)], statistics_);
+            blocked |= 1u << (static_cast<int>(p) * width + i), limits[i] = -1;
+        }
         set_limits(p);
     });
     for (std::size_t p = 0; p < packets.size() && !world_.sheets.empty(); ++p)

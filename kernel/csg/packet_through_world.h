@@ -63,6 +63,7 @@ private:
     void meet_sheets(std::size_t packet, BoundaryPacket& boundaries);
 
     const World& world_;
+    TraceStatistics& statistics_;
     RayThroughWorld single_;
     double reach_ = 0;  // a radius about the hierarchy's anchor that all of its boxes are within
 

@@ -70,6 +70,7 @@ struct BoundaryPacket {
     Lanes t;
     std::array<std::int32_t, batch_size> solid;  // in World::solids; -1: nothing, or a sheet
     std::array<std::int32_t, batch_size> leaf;   // whose face it is; -1: nothing, or not known
+    unsigned starts_inside;                      // the rays that start in a solid: bit i for ray i
 };
 
 }  // namespace lapidary

@@ -58,17 +58,20 @@ Label RayThroughWorld::step_into(Boundary& boundary) {
     return behind.owner;
 }
 
-double RayThroughWorld::next_change(std::int32_t solid, double from) {
+double RayThroughWorld::next_change(std::int32_t solid, double from, Boundary& first) {
     line_.select(world_.solids[solid]);
     if (world_.features.transparency) return line_.next_change(from);
     const double t = line_.enter(from);
-    return t > from ? t : line_.leave(from);
+    if (t > from) return t;
+    first.starts_inside = true;
+    count_start_inside(ray_.departure, statistics_);
+    return line_.leave(from);
 }
 
 Boundary RayThroughWorld::next(double from, const Label& here) {
     Boundary first;
     const auto visit = [&](std::int32_t solid) {
-        const double t = next_change(solid, from);
+        const double t = next_change(solid, from, first);
         if (t > from && (t < first.t || (t == first.t && solid < first.solid && t < infinity))) first.t = t, first.solid = solid;
         return first.t;
     };
@@ -89,7 +92,8 @@ Boundary RayThroughWorld::next(double from, const Label& here) {
 
 void RayThroughWorld::meet_sheet(const Sheet& sheet, double from, Boundary& first) {
     const double t = line_.cross_sheet(sheet.leaf);
-    if (t > from && t < infinity && comes_before(sheet, t, first) && is_seen(sheet, t)) first = {t, -1, sheet.leaf, {}, {}};
+    if (t > from && t < infinity && comes_before(sheet, t, first) && is_seen(sheet, t))
+        first = {t, -1, sheet.leaf, {}, {}, first.starts_inside};
 }
 
 void RayThroughWorld::complete_opaque(Boundary& boundary) {
@@ -119,7 +123,9 @@ bool RayThroughWorld::is_blocked(double distance) {
     bool blocked = false;
     const auto visit = [&](std::int32_t solid) {
         line_.select(world_.solids[solid]);
-        blocked = line_.enter(0) < distance;
+        const double t = line_.enter(0);
+        if (t == 0) count_start_inside(ray_.departure, statistics_);
+        blocked = t < distance;
         return blocked ? -1.0 : distance;
     };
     for (std::int32_t solid : world_.unbounded)

@@ -12,12 +12,18 @@ namespace lapidary {
 
 // A place on the ray where what a point is made of may change, or a sheet.
 struct Boundary {
-    double t = infinity;      // infinity: nothing ahead
-    std::int32_t solid = -1;  // in World::solids; -1 for a sheet
-    std::int32_t leaf = -1;   // whose face it is
-    Label before, after;      // of the whole World; in an opaque World, of the one solid
+    double t = infinity;         // infinity: nothing ahead
+    std::int32_t solid = -1;     // in World::solids; -1 for a sheet
+    std::int32_t leaf = -1;      // whose face it is
+    Label before, after;         // of the whole World; in an opaque World, of the one solid
+    bool starts_inside = false;  // of an opaque World: the ray starts in a solid
     bool is_sheet() const { return leaf >= 0 && solid < 0; }
 };
+
+// Counts a ray that was sent into empty space, and is found in a solid of an opaque World.
+inline void count_start_inside(const Departure& departure, TraceStatistics& statistics) {
+    if (departure.cell == Departure::no_cell) ++statistics.first_cell_disagreements;
+}
 
 // Whether a sheet met at t comes before what was found so far; at the same place, what was written first does.
 inline bool comes_before(const Sheet& sheet, double t, const Boundary& first) {
@@ -26,7 +32,8 @@ inline bool comes_before(const Sheet& sheet, double t, const Boundary& first) {
 
 class LAPIDARY_API RayThroughWorld {
 public:
-    RayThroughWorld(const World& world, TraceStatistics& statistics) : world_(world), line_(world, statistics) {}
+    RayThroughWorld(const World& world, TraceStatistics& statistics)
+        : world_(world), statistics_(statistics), line_(world, statistics) {}
 
     void start(const Ray& ray);
 
@@ -50,13 +57,14 @@ public:
 
 private:
     Label step_into(Boundary& boundary);
-    double next_change(std::int32_t solid, double from);
+    double next_change(std::int32_t solid, double from, Boundary& first);
     bool is_seen(const Sheet& sheet, double t);
     double slack(double t) const { return 0x1p-50 * (origin_size_ + std::fabs(t)); }
     template <class Visit>
     void for_each_solid_at(double t, Visit visit);
 
     const World& world_;
+    TraceStatistics& statistics_;
     LineThroughSolid line_;
     Ray ray_;
     Point origin_;

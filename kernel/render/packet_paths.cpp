@@ -127,7 +127,7 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
         t[lane] = wave.t(ray);
         faces.ray[lane] = ray;
         faces.travelled[lane] = wave.paths[ray].travelled + t[lane];
-        faces.departure[lane] = {index, -1, false};
+        faces.departure[lane] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
         faces.key[lane] = rays.key[lane];
         faces.light_samples[lane] = extended_lights_ * static_cast<std::uint32_t>(wave.paths[ray].depth);
     }
@@ -217,6 +217,7 @@ void PacketPaths::meet_single_face(Wave& wave, int ray, std::span<RaySample> fir
     const Ray single = wave.ray(ray);
     Boundary boundary;
     boundary.t = wave.t(ray), boundary.solid = wave.solid(ray), boundary.leaf = wave.leaf(ray);
+    boundary.starts_inside = wave.starts_inside(ray);
     tracer_.ray_through_world.start(single);
     if (!boundary.is_sheet()) tracer_.ray_through_world.complete_opaque(boundary);
     RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)];
@@ -246,6 +247,7 @@ void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter&
     colour.set(lane, e.matter.colour);
     reflection[lane] = e.matter.reflection, shininess[lane] = e.matter.shininess;
     departure[lane] = e.departure;
+    departure[lane].cell = e.cell_before;
     key[lane] = rays.key[number % width];
 }
 

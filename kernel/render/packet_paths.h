@@ -54,6 +54,7 @@ private:
         double t(int i) const { return boundaries[i / width].t[i % width]; }
         std::int32_t leaf(int i) const { return boundaries[i / width].leaf[i % width]; }
         std::int32_t solid(int i) const { return boundaries[i / width].solid[i % width]; }
+        bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
 
     // Eight faces that rays of a wave have met, with all that shading asks: an Encounter in lanes.

@@ -77,6 +77,10 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
     e.travelled = travelled + boundary.t;
     e.departure.leaf = boundary.leaf;
     e.departure.surface_class = face.surface_class;
+    e.cell_before = world.features.transparency ? boundary.before.owner
+                    : boundary.starts_inside    ? Departure::unknown_cell
+                                                : Departure::no_cell;
+    if (world.features.transparency) e.cell_behind = boundary.after.owner;
     if (face.class_flipped) e.outward = -face.normal;  // of a shared surface, sides are those of its representative
 
     // The face shows its own material, else the innards; matter is sampled on its solid side.
@@ -143,7 +147,13 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
 Ray Tracer::Implementation::depart(const Ray& from, const Encounter& e, const Vector& direction) const {
     Ray ray{e.point, direction, e.departure, from.key};
     ray.departure.inward = dot(direction, e.outward) < 0;
+    ray.departure.cell = dot(direction, e.geometric) > 0 ? e.cell_before : e.cell_behind;
     return ray;
+}
+
+void Tracer::Implementation::check_first_cell(const Ray& ray, const Label& label) {
+    const std::int32_t expected = ray.departure.cell;
+    if (expected != Departure::unknown_cell && expected != label.owner) ++statistics.first_cell_disagreements;
 }
 
 // What a medium lets through of a straight ray between two of its places. Of textured matter, piece by piece: each may be
@@ -187,6 +197,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
 
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
+    check_first_cell(shadow, label);
     for (double from = 0; !is_black(passed) && !is_stopped();) {
         const Boundary boundary = through.next(from, label);
         if (!label.is_empty())
@@ -291,6 +302,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     const bool transparency = world.features.transparency;
     ray_through_world.start(ray);
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
+    if (transparency) check_first_cell(ray, label);
     Colour gathered, passed = Colour::white();
     for (double from = 0; !is_stopped();) {
         const Boundary boundary = ray_through_world.next(from, label);
@@ -305,6 +317,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
                 if (crossing.t < boundary.t) {
                     to = crossing.t;
                     encounter = encounter_crossing(ray, *medium, crossing, path.travelled);
+                    if (encounter) encounter->cell_before = encounter->cell_behind = label.owner;
                 }
             }
             passed = passed * transmittance(*medium, line, from, to);

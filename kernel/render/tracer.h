@@ -38,12 +38,12 @@ struct RaySample {
 // What tracing cost and what it skipped; one per thread, added up at the end.
 struct TraceStatistics {
     std::uint64_t camera_rays = 0, mirrored_rays = 0, refracted_rays = 0, shadow_rays = 0;
-    std::uint64_t shadow_rays_skipped = 0;  // lights that send nothing to the point
-    std::uint64_t object_tests = 0;         // calls of Object::spans (a batch counts its lanes)
-    std::uint64_t slivers_removed = 0;      // cells of rounding length between different surfaces (rule S)
-    std::uint64_t non_finite_samples = 0;   // dropped
-    std::uint64_t first_cell_disagreements = 0;
-    std::uint64_t march_steps = 0;  // boundaries met inside textured transparent matter
+    std::uint64_t shadow_rays_skipped = 0;       // lights that send nothing to the point
+    std::uint64_t object_tests = 0;              // calls of Object::spans (a batch counts its lanes)
+    std::uint64_t slivers_removed = 0;           // cells of rounding length between different surfaces (rule S)
+    std::uint64_t non_finite_samples = 0;        // dropped
+    std::uint64_t first_cell_disagreements = 0;  // rays that began in another cell than the face before them said
+    std::uint64_t march_steps = 0;               // boundaries met inside textured transparent matter
 
     LAPIDARY_API TraceStatistics& operator+=(const TraceStatistics& other);
 };

@@ -42,8 +42,9 @@ struct Encounter {
     bool is_sheet = false;
     double travelled = 0;  // by the path, up to here
 
-    // What rays that start here depart from; `outward` is the leaf's normal.
+    // What rays that start here depart from, and the cells on the viewer's side and behind; `outward` is the leaf's normal.
     Departure departure;
+    std::int32_t cell_before = Departure::unknown_cell, cell_behind = Departure::unknown_cell;
     Normal outward;
 };
 
@@ -116,6 +117,7 @@ struct Tracer::Implementation {
     Colour medium_lets_through(const MaterialInstance& medium, const Ray& ray, double from, double to) const;
     double face_lets_through(const Boundary& boundary, const Ray& ray) const;
     Colour light_through(const Ray& shadow, double distance);
+    void check_first_cell(const Ray& ray, const Label& label);
     Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
 };
 
