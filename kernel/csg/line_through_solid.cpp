@@ -25,7 +25,8 @@ LineThroughSolid::LineThroughSolid(const World& world, TraceStatistics& statisti
       slabs_({}, {}),
       cached_(static_cast<std::size_t>(world.most_leaves)),
       cached_spans_(static_cast<std::size_t>(world.most_leaves) * static_cast<std::size_t>(world.most_spans)),
-      scratch_(static_cast<std::size_t>(world.most_spans)) {}
+      scratch_(static_cast<std::size_t>(world.most_spans)),
+      deep_lines_(world.deep_trees.size()) {}
 
 void LineThroughSolid::start(const Ray& ray) {
     ray_ = ray;
@@ -35,6 +36,7 @@ void LineThroughSolid::start(const Ray& ray) {
     solid_ = nullptr;
     placed_leaf_ = -1;
     ++stamp_;
+    ++ray_number_;
 }
 
 void LineThroughSolid::select(const Solid& solid) {
@@ -186,12 +188,12 @@ bool LineThroughSolid::box_is_missed(const Bounds& box, double t) const {
 
 double LineThroughSolid::enter(double t) {
     for (;;) {
-        const double in = enter(solid_->root, t);
+        const double in = enter_root(t);
         if (in == infinity || solid_->leaf_count == 1) return in;
         // What is inside a sliver's length further on, too, is no sliver: the common case, cheap to see.
         const double longest = sliver_length(solid_->rounding, in);
-        if (inside(solid_->root, in + longest, Side::after)) return in;
-        const double out = leave(solid_->root, in);
+        if (inside(in + longest, Side::after)) return in;
+        const double out = leave_root(in);
         if (out - in > longest) return in;
         ++statistics_.slivers_removed;
         t = out;
@@ -200,15 +202,49 @@ double LineThroughSolid::enter(double t) {
 
 double LineThroughSolid::leave(double t) {
     for (;;) {
-        const double out = leave(solid_->root, t);
+        const double out = leave_root(t);
         if (out == infinity || solid_->leaf_count == 1) return out;
         const double longest = sliver_length(solid_->rounding, out);
-        if (!inside(solid_->root, out + longest, Side::after)) return out;
-        const double in = enter(solid_->root, out);
+        if (!inside(out + longest, Side::after)) return out;
+        const double in = enter_root(out);
         if (in - out > longest || out == t) return out;
         ++statistics_.slivers_removed;
         t = in;
     }
+}
+
+double LineThroughSolid::enter_root(double t) { return solid_->deep_tree < 0 ? enter(solid_->root, t) : deep_tree().enter(t); }
+
+double LineThroughSolid::leave_root(double t) { return solid_->deep_tree < 0 ? leave(solid_->root, t) : deep_tree().leave(t); }
+
+bool LineThroughSolid::inside(double t, Side side) {
+    return solid_->deep_tree < 0 ? inside(solid_->root, t, side) : !deep_tree().label(t, side).is_empty();
+}
+
+Label LineThroughSolid::label(double t, Side side) {
+    return solid_->deep_tree < 0 ? label(solid_->root, t, side) : deep_tree().label(t, side);
+}
+
+std::int32_t LineThroughSolid::leaf_at(double t) {
+    return solid_->deep_tree < 0 ? leaf_at(solid_->root, t) : deep_tree().leaf_at(t);
+}
+
+// The selected solid's deep tree, with the spans of all leaves that the line meets from its start on.
+LineThroughDeepTree& LineThroughSolid::deep_tree() {
+    DeepLine& line = deep_lines_[static_cast<std::size_t>(solid_->deep_tree)];
+    if (line.tree && line.ray == ray_number_) return *line.tree;
+    if (!line.tree) line.tree = std::make_unique<LineThroughDeepTree>(world_, *solid_);
+    line.ray = ray_number_;
+    line.tree->start();
+    const auto add = [&](std::int32_t leaf) {
+        for (const Span& span : spans(solid_->first_leaf + leaf)) line.tree->add(leaf, span);
+        return infinity;
+    };
+    const DeepTree& tree = world_.deep_trees[static_cast<std::size_t>(solid_->deep_tree)];
+    for (std::int32_t leaf : tree.unbounded) add(leaf);
+    tree.hierarchy.for_each_along(origin_, ray_.direction, infinity, add);
+    line.tree->finish();
+    return *line.tree;
 }
 
 double LineThroughSolid::enter(std::int32_t index, double t) {
@@ -310,63 +346,20 @@ double LineThroughSolid::first_change(std::span<const std::int32_t> operands, do
 bool LineThroughSolid::inside(std::int32_t index, double t, Side side) {
     const Node& node = world_.nodes[index];
     if (!box_holds(node.box, t)) return false;
-    const auto holds = [&](std::int32_t operand) { return inside(operand, t, side); };
-    const auto all = operands(node);
-    switch (node.operation) {
-        case Operation::leaf:
-            for (const Span& span : spans(node.first))
-                if (side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out) return true;
-            return false;
-        case Operation::union_:
-        case Operation::merge:
-            return std::any_of(all.begin(), all.end(), holds);
-        case Operation::intersection:
-            return std::all_of(all.begin(), all.end(), holds);
-        case Operation::subtraction:
-            return holds(all[0]) && std::none_of(all.begin() + 1, all.end(), holds);
-        case Operation::symdiff:
-            return std::count_if(all.begin(), all.end(), holds) % 2 == 1;
-    }
+    if (node.operation != Operation::leaf)
+        return is_held(world_, node, [&](std::int32_t operand) { return inside(operand, t, side); });
+    for (const Span& span : spans(node.first))
+        if (side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out) return true;
     return false;
 }
 
-// What the cell is made of: of the operands that hold it, the one of highest priority, among equals the leftmost; for an
-// intersection and a subtraction the left operand; for a merge its one material.
 Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
     if (!inside(index, t, side)) return {};
-    const Node& node = world_.nodes[index];
-    Label owner;
-    switch (node.operation) {
-        case Operation::leaf:
-            owner = {node.first, world_.leaves[node.first].medium, world_.leaves[node.first].priority};
-            break;
-        case Operation::merge:
-            owner = {node.owner, node.medium, 0};
-            break;
-        case Operation::intersection:
-        case Operation::subtraction:
-            owner = label(operands(node)[0], t, side);
-            break;
-        case Operation::union_:
-            for (std::int32_t operand : operands(node)) {
-                const Label candidate = label(operand, t, side);
-                if (candidate.is_empty()) continue;
-                if (owner.is_empty() || candidate.priority > owner.priority) owner = candidate;
-            }
-            break;
-        case Operation::symdiff:
-            // ((a xor b) xor c) …: each operand that holds the cell takes it over from nothing, or makes nothing of it.
-            for (std::int32_t operand : operands(node)) {
-                const Label candidate = label(operand, t, side);
-                if (!candidate.is_empty()) owner = owner.is_empty() ? candidate : Label{};
-            }
-            break;
-    }
-    if (node.has_priority) owner.priority = node.priority;
-    return owner;
+    return label_inside(world_, world_.nodes[index], [&](std::int32_t operand) { return label(operand, t, side); });
 }
 
 double LineThroughSolid::next_change(double t) {
+    if (solid_->deep_tree >= 0 && solid_->has_interfaces) return deep_tree().next_change(t);
     if (!solid_->has_interfaces) return inside(t, Side::after) ? leave(t) : enter(t);
     for (;;) {
         // The next end of any leaf's span, and whether it makes a difference.
@@ -383,23 +376,16 @@ double LineThroughSolid::next_change(double t) {
 
 std::int32_t LineThroughSolid::leaf_at(std::int32_t index, double t) {
     const Node& node = world_.nodes[index];
-    const bool before = inside(index, t, Side::before), after = inside(index, t, Side::after);
-    if (node.operation == Operation::leaf) return before != after ? node.first : -1;
-
-    // A change of the whole is the change of an operand: the first one, in order, that changes the way it must. Going in, an
-    // operand of a union or an intersection goes in, too; a subtrahend does the opposite of the whole.
-    const auto all = operands(node);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const bool operand_before = inside(all[i], t, Side::before), operand_after = inside(all[i], t, Side::after);
-        if (operand_before == operand_after) continue;
-        const bool opposite = node.operation == Operation::subtraction && i > 0;
-        const bool any_change = before == after || node.operation == Operation::symdiff;
-        if (any_change || (operand_after == after) != opposite) return leaf_at(all[i], t);
-    }
-    // No operand's inside changes: the medium of one does.
-    for (std::int32_t operand : all)
-        if (!(label(operand, t, Side::before) == label(operand, t, Side::after))) return leaf_at(operand, t);
-    return -1;
+    const auto change_of = [&](std::int32_t operand) {
+        return Change{inside(operand, t, Side::before), inside(operand, t, Side::after)};
+    };
+    const auto label_changes = [&](std::int32_t operand) {
+        return !(label(operand, t, Side::before) == label(operand, t, Side::after));
+    };
+    const Change change = change_of(index);
+    if (node.operation == Operation::leaf) return change.before != change.after ? node.first : -1;
+    const std::int32_t operand = changing_operand(world_, node, change, change_of, label_changes);
+    return operand >= 0 ? leaf_at(operand, t) : -1;
 }
 
 FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {

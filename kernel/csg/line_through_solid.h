@@ -22,9 +22,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "kernel/csg/label.h"
+#include "kernel/csg/line_through_deep_tree.h"
 #include "kernel/prepare/hierarchy.h"
 #include "kernel/prepare/world.h"
 #include "kernel/render/ray.h"
@@ -35,19 +38,6 @@ namespace lapidary {
 // Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same for
 // all planes, so that complements and coincident faces agree and the reversed ray sees the same.
 inline constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
-
-// The open cell of the line just before a position, or just behind it.
-enum class Side : std::uint8_t { before, after };
-
-// What a cell is made of: nothing, or the medium of the operand that owns it.
-struct Label {
-    std::int32_t owner = -1;   // the leaf (of a merge: its leftmost); -1: empty space
-    std::int32_t medium = -1;  // in World::materials
-    double priority = 0;
-
-    bool is_empty() const { return owner < 0; }
-    bool operator==(const Label& other) const { return owner == other.owner; }
-};
 
 // A face met at a known position.
 struct FaceHit {
@@ -74,12 +64,12 @@ public:
     // not leave, for a cell no longer than that.
     double enter(double t);
     double leave(double t);
-    bool inside(double t, Side side) { return inside(solid_->root, t, side); }
-    Label label(double t, Side side) { return label(solid_->root, t, side); }
+    bool inside(double t, Side side);
+    Label label(double t, Side side);
     // The first position behind t where the inside or its medium changes; infinity where nothing does.
     double next_change(double t);
     // The leaf whose face represents the change at t: of coincident faces the left operand's. -1 where nothing changes.
-    std::int32_t leaf_at(double t) { return leaf_at(solid_->root, t); }
+    std::int32_t leaf_at(double t);
     // The face of a leaf met at t, an end of one of its spans.
     FaceHit face_at(std::int32_t leaf, double t);
 
@@ -105,6 +95,11 @@ private:
     int in_world(const PlacedLine& placed, const Leaf& leaf, std::span<const Surface> faces, bool departing, Span* spans,
                  int count) const;
 
+    // The whole solid, slivers included: node by node, or as a deep tree.
+    double enter_root(double t);
+    double leave_root(double t);
+    LineThroughDeepTree& deep_tree();
+
     double enter(std::int32_t node, double t);
     double leave(std::int32_t node, double t);
     bool inside(std::int32_t node, double t, Side side);
@@ -113,9 +108,7 @@ private:
     double first_change(std::span<const std::int32_t> operands, double t);
     bool box_holds(const Bounds& box, double t) const;
     bool box_is_missed(const Bounds& box, double t) const;
-    std::span<const std::int32_t> operands(const Node& node) const {
-        return {world_.children.data() + node.first, static_cast<std::size_t>(node.count)};
-    }
+    std::span<const std::int32_t> operands(const Node& node) const { return operands_of(world_, node); }
 
     const World& world_;
     TraceStatistics& statistics_;
@@ -130,6 +123,14 @@ private:
     std::vector<CachedSpans> cached_;
     std::vector<Span> cached_spans_;
     std::vector<Span> scratch_;
+
+    // For each deep tree of the World, made when it is first met, and the number of the ray that it holds the line of.
+    struct DeepLine {
+        std::unique_ptr<LineThroughDeepTree> tree;
+        std::uint64_t ray = 0;
+    };
+    std::uint64_t ray_number_ = 0;
+    std::vector<DeepLine> deep_lines_;
 };
 
 }  // namespace lapidary

@@ -55,6 +55,15 @@ private:
     std::vector<Node> nodes_;
 };
 
+// Whether floats hold a box.
+inline bool fits_hierarchy(const Bounds& box) {
+    constexpr double largest = 1e30;
+    const auto fits = [](const Point& p) {
+        return std::fabs(p.x) < largest && std::fabs(p.y) < largest && std::fabs(p.z) < largest;
+    };
+    return fits(box.low) && fits(box.high);
+}
+
 // Where a line runs inside a box: entry and exit by the slab method. (b - o) / d keeps its digits where b / d - o / d
 // would not. A direction of 0 counts as 1e-300, so that an origin on the face gives 0 and not NaN. The exit is padded by a
 // few ulp (Ize 2013).

@@ -20,6 +20,10 @@ namespace {
 
 constexpr std::int32_t no_material = -1;
 
+// Evaluation from node to node recurses, and its time grows with the square of the depth: what is left of the depth after
+// joining and splitting may be this much.
+constexpr std::size_t deepest_followed = 100;
+
 // The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off. Lines are
 // placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
 Bounds padded_box(const Leaf& leaf) {
@@ -53,7 +57,8 @@ public:
         set_rounding();
         for (Leaf& leaf : world_.leaves) note_faces(leaf);
         recognise_coincident_surfaces(world_, messages_);
-        for (Solid& solid : world_.solids) find_product_form(solid);
+        for (Solid& solid : world_.solids)
+            if (solid.deep_tree < 0) find_product_form(solid);
         build_hierarchy();
         note_features();
     }
@@ -202,29 +207,14 @@ private:
     }
 
     void emit_everything() {
-        for (const DraftPtr& draft : solids_)
-            if (is_shallow(*draft)) world_.solids.push_back(emit_solid(*draft));
+        for (const DraftPtr& draft : solids_) world_.solids.push_back(emit_solid(*draft));
         for (SheetDraft& draft : sheets_) emit_sheet(draft);
-    }
-
-    // Evaluation recurses over a tree. What is left of its depth after joining and splitting must fit any thread's stack.
-    bool is_shallow(const Draft& draft) {
-        constexpr std::size_t deepest = 2000;
-        if (draft.depth <= deepest) return true;
-        const Draft* leaf = &draft;
-        while (!leaf->operands.empty()) leaf = leaf->operands.front().get();
-        messages_.error(
-            leaf->leaf.place,
-            fmt::format("operations of alternating kind stand {} deep around this object; at most {} can be evaluated. Put "
-                        "what is united or subtracted in turn side by side in one block",
-                        draft.depth, deepest));
-        return false;
     }
 
     void emit_sheet(SheetDraft& draft) {
         Sheet sheet;
         for (const SheetDraft::Condition& condition : draft.conditions) {
-            if (condition.clip && is_shallow(*condition.clip)) {
+            if (condition.clip) {
                 sheet.conditions.push_back({static_cast<std::int32_t>(world_.clips.size()), condition.inside});
                 world_.clips.push_back(emit_solid(*condition.clip));
             } else if (condition.inside) {
@@ -251,7 +241,7 @@ private:
         Solid solid;
         const std::size_t first_node = world_.nodes.size();
         solid.first_leaf = static_cast<std::int32_t>(world_.leaves.size());
-        solid.root = emit_node(draft);
+        solid.root = emit_nodes(draft);
         solid.leaf_count = static_cast<std::int32_t>(world_.leaves.size()) - solid.first_leaf;
         solid.box = draft.box;
         for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
@@ -264,11 +254,40 @@ private:
             solid.has_interfaces |= node.operation == Operation::union_ || node.operation == Operation::symdiff;
         }
         world_.most_leaves = std::max(world_.most_leaves, solid.leaf_count);
+        if (draft.depth > deepest_followed) {
+            solid.deep_tree = static_cast<std::int32_t>(world_.deep_trees.size());
+            world_.deep_trees.push_back(make_deep_tree(world_, solid, static_cast<std::int32_t>(first_node)));
+        }
         return solid;
     }
 
-    // Operands first, so that a node's index is above those of its operands.
-    std::int32_t emit_node(const Draft& draft) {
+    // Operands first, so that a node's index is above those of its operands; with a stack of its own, as trees may be deep.
+    std::int32_t emit_nodes(const Draft& root) {
+        struct Emission {
+            const Draft* draft;
+            std::int32_t leftmost;               // leaf below
+            std::vector<std::int32_t> operands;  // emitted so far
+        };
+        std::vector<Emission> stack;
+        const auto begin = [&](const Draft& draft) {
+            stack.push_back({&draft, static_cast<std::int32_t>(world_.leaves.size()), {}});
+        };
+        begin(root);
+        for (;;) {
+            const Draft& draft = *stack.back().draft;
+            if (const std::size_t next = stack.back().operands.size(); next < draft.operands.size()) {
+                begin(*draft.operands[next]);
+                continue;
+            }
+            emit_node(draft, stack.back().leftmost, stack.back().operands);
+            const auto index = static_cast<std::int32_t>(world_.nodes.size()) - 1;
+            stack.pop_back();
+            if (stack.empty()) return index;
+            stack.back().operands.push_back(index);
+        }
+    }
+
+    void emit_node(const Draft& draft, std::int32_t leftmost, const std::vector<std::int32_t>& operands) {
         Node node;
         node.operation = draft.operation;
         node.box = draft.box;
@@ -278,9 +297,6 @@ private:
             node.first = static_cast<std::int32_t>(world_.leaves.size());
             world_.leaves.push_back(draft.leaf);
         } else {
-            const auto leftmost = static_cast<std::int32_t>(world_.leaves.size());
-            std::vector<std::int32_t> operands;
-            for (const DraftPtr& operand : draft.operands) operands.push_back(emit_node(*operand));
             node.first = static_cast<std::int32_t>(world_.children.size());
             node.count = static_cast<std::int32_t>(operands.size());
             world_.children.insert(world_.children.end(), operands.begin(), operands.end());
@@ -290,7 +306,6 @@ private:
             }
         }
         world_.nodes.push_back(node);
-        return static_cast<std::int32_t>(world_.nodes.size()) - 1;
     }
 
     // What has no bounds is taken to be as large as the scene.
@@ -356,12 +371,11 @@ private:
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.
     void build_hierarchy() {
-        constexpr double largest = 1e30;
         std::vector<Bounds> boxes;
         std::vector<std::int32_t> items;
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
             const Bounds& box = world_.solids[i].box;
-            if (box.is_finite() && largest_coordinate(box) < largest) {
+            if (fits_hierarchy(box)) {
                 boxes.push_back(box);
                 items.push_back(static_cast<std::int32_t>(i));
             } else {

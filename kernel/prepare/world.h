@@ -17,6 +17,7 @@
 #include "kernel/export.h"
 #include "kernel/math/transform.h"
 #include "kernel/prepare/box_blocks.h"
+#include "kernel/prepare/deep_tree.h"
 #include "kernel/prepare/hierarchy.h"
 #include "kernel/report/messages.h"
 #include "kernel/scene/scene.h"
@@ -82,6 +83,8 @@ struct Solid {
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;
 
+    std::int32_t deep_tree = -1;  // in World::deep_trees; -1: shallow enough to be followed from node to node
+
     // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
     // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
     bool is_product = false;
@@ -124,6 +127,7 @@ public:
     std::vector<Solid> solids;           // in the order of writing
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
+    std::vector<DeepTree> deep_trees;
     std::vector<std::int32_t> product_leaves;
     std::vector<BoxBlock> negative_blocks;
     std::vector<Surface> faces;  // of all leaves, each in its leaf's space

@@ -120,6 +120,34 @@ public:
     // The same for the solids of one of the roots only.
     std::vector<Span> operator()(const Ray& ray, std::size_t root) { return spans(ray, of_root_[root]); }
 
+    // The numbers, in the order of writing, of the leaf whose face stands at t and of the leaf that owns the cell behind it. 0:
+    // of none.
+    struct LeavesAt {
+        std::int32_t face = 0, owner = 0;
+        bool operator==(const LeavesAt&) const = default;
+    };
+    LeavesAt leaves_at(const Ray& ray, double t) {
+        line_->start(ray);
+        LeavesAt found;
+        const auto number = [this](std::int32_t leaf) { return leaf < 0 ? 0 : world_->leaves[leaf].number; };
+        for (const Solid& solid : world_->solids) {
+            line_->select(solid);
+            if (found.face == 0) found.face = number(line_->leaf_at(t));
+            if (found.owner == 0) found.owner = number(line_->label(t, Side::after).owner);
+        }
+        return found;
+    }
+
+    // All places where the one solid of the World, or what it is made of, changes.
+    std::vector<double> changes(const Ray& ray) {
+        REQUIRE(world_->solids.size() == 1);
+        line_->start(ray);
+        line_->select(world_->solids[0]);
+        std::vector<double> places;
+        for (double t = line_->next_change(0); t < infinity; t = line_->next_change(t)) places.push_back(t);
+        return places;
+    }
+
     Messages messages;
 
 private:
