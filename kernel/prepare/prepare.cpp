@@ -39,7 +39,7 @@ class Preparer {
 public:
     Preparer(const Scene& scene, World& world, Messages& messages) : scene_(scene), world_(world), messages_(messages) {}
 
-    void run() {
+    void run(const PrepareOptions& options) {
         world_.root = scene_.root;
         world_.background = scene_.background;
         world_.materials.emplace_back();  // what objects without material are made of
@@ -56,7 +56,7 @@ public:
             if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
         set_rounding();
         for (Leaf& leaf : world_.leaves) note_faces(leaf);
-        recognise_coincident_surfaces(world_, messages_);
+        if (options.coincidence) recognise_coincident_surfaces(world_, messages_);
         for (Solid& solid : world_.solids)
             if (solid.deep_tree < 0) find_product_form(solid);
         build_hierarchy();
@@ -417,9 +417,9 @@ std::string Features::describe() const {
     return text.empty() ? "none" : text;
 }
 
-std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages) {
+std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages, const PrepareOptions& options) {
     auto world = std::make_shared<World>();
-    Preparer(scene, *world, messages).run();
+    Preparer(scene, *world, messages).run(options);
     return world;
 }
 

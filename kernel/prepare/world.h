@@ -150,7 +150,12 @@ public:
     }
 };
 
-// Never fails: what cannot be used is left out, with a warning (a sheet that subtracts) or an error (a tree too deep).
-LAPIDARY_API std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages);
+struct PrepareOptions {
+    bool coincidence = true;  // faces on the same surface are recognised; without, to measure what that costs
+};
+
+// Never fails: what cannot be used is left out, with a warning (a sheet that subtracts).
+LAPIDARY_API std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages,
+                                                        const PrepareOptions& options = {});
 
 }  // namespace lapidary
