@@ -121,6 +121,11 @@ Bounds finite_part(const Bounds& box, const Bounds& scene) {
     return finite;
 }
 
+Bounds widened(const Bounds& box, double by) {
+    const Vector margin{by, by, by};
+    return {box.low - margin, box.high + margin};
+}
+
 // How far apart two surfaces are, in world units, where either leaf uses them; infinity where they are plainly different.
 double distance_between(const PlacedSurface& a, const PlacedSurface& b, const Bounds& used) {
     if (a.kind != b.kind) return infinity;
@@ -263,7 +268,7 @@ private:
         const double tolerance = coincidence_tolerance(largest_coordinate(used), length(used.diagonal()));
         const double apart = distance_between(surface, representative, used);
         if (!(apart <= tolerance)) {
-            if (apart <= 1000 * tolerance && leaf.box.overlaps(other.box)) report_near(leaf, other, apart);
+            if (apart <= 1000 * tolerance && widened(leaf.box, apart).overlaps(other.box)) report_near(leaf, other, apart);
             return false;
         }
         surface.surface_class = surface_class;
