@@ -153,7 +153,6 @@ private:
         leaf.place = node.place;
         leaf.box = padded_box(leaf);
         draft->box = leaf.box;
-        warn_of_lost_size(leaf);
         world_.most_spans = std::max(world_.most_spans, leaf.object->max_spans());
         if (leaf.object->is_sheet()) {
             SheetDraft sheet;
@@ -163,21 +162,6 @@ private:
             return nullptr;
         }
         return draft;
-    }
-
-    // Far from the world's origin, faces of one object may come to lie closer together than two places can be told apart there.
-    void warn_of_lost_size(const Leaf& leaf) {
-        const Bounds box = leaf.placement.to_parent(leaf.object->bounds());
-        if (box.is_empty() || !box.is_finite()) return;
-        const Vector size = box.diagonal();
-        const double largest = std::max({size.x, size.y, size.z}), coordinate = largest_coordinate(box);
-        const double told_apart = coincidence_tolerance(coordinate, largest);
-        if (largest > told_apart || largest == 0) return;
-        messages_.warning(
-            leaf.place,
-            fmt::format("this object is {:.2g} across but stands where coordinates are about {:.1g}: places closer than "
-                        "{:.1g} cannot be told apart there; move the scene nearer to the origin",
-                        largest, coordinate, told_apart));
     }
 
     // A sheet has no inside: it takes part in no operation, but is seen only where the operands beside it let it be.

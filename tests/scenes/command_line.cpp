@@ -272,7 +272,7 @@ TEST_CASE("the log of a scene is a scene that gives the same picture") {
     CHECK(contains(log, "//   lapidary ball.scene -b -l -o first --samples 3 --set camera.location=1,1,-3"));
     CHECK(contains(log, "object sphere: "));
     CHECK(contains(log, "//   ball.scene\n"));
-    CHECK(contains(log, "ms\n"));
+    CHECK(contains(log, "ms of processor time\n"));
     fs::rename(desk.file("first.log"), desk.file("again.scene"));
     const RunResult again = desk.lapidary("again.scene");  // the format stands in the log
     INFO(again.output);

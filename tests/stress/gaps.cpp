@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // T32: a ladder of gaps between two boxes. Gaps above what rounding leaves uncertain are seen, smaller ones are contact, and
-// those within a thousand times of that are asked about. T57: objects so far out that they are lost.
+// those within a thousand times of that are asked about.
 #include <cmath>
-#include <string>
 
 #include "stress/exact.h"
 #include "support/measurement.h"
-#include "support/scenes.h"
 #include "support/solids.h"
 
 namespace lapidary::test {
@@ -53,26 +51,6 @@ TEST_CASE("T32: gaps down to rounding are seen, and those that may be mistakes a
         CHECK(smallest_seen > 32 * u * size);
         CHECK(largest_contact < 128 * u * size);
     }
-}
-
-TEST_CASE("T57: an object that is lost in the rounding of its place is warned of") {
-    const auto lines = [](const std::string& place) {
-        const auto built = build("lights { ambient { } } objects { sphere { transform { translate(" + place + "); } } }");
-        REQUIRE(built->scene);
-        Messages messages;
-        const auto world = prepare_world(*built->scene, messages);
-        SpansThrough spans(built->scene->root);
-        spans(ray_from({0, 0, 0}, {1, 1, 1}));  // whatever comes of it
-        std::vector<std::string> found;
-        for (const Message& message : messages.all()) found.push_back(message.headline());
-        return found;
-    };
-    CHECK(lines("1e13, 0, 0").empty());
-    CHECK(
-        lines("1e15, 0, 0") ==
-        std::vector<std::string>{"s:1:34: warning: this object is 2 across but stands where coordinates are about 1e+15: places "
-                                 "closer than 7 cannot be told apart there; move the scene nearer to the origin"});
-    CHECK(lines("0, -1e300, 0").size() == 1);
 }
 
 }  // namespace lapidary::test
