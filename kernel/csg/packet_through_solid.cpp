@@ -263,7 +263,9 @@ template <class Departs>
 void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
                                                  Lanes& out) const {
     int near = 0;
-    for (int i = 0; i < width; ++i) near += is_near_root(in[i], placed_.anchor[i]) | is_near_root(out[i], placed_.anchor[i]);
+    for (int i = 0; i < width; ++i)
+        near +=
+            static_cast<int>(is_near_root(in[i], placed_.anchor[i])) | static_cast<int>(is_near_root(out[i], placed_.anchor[i]));
     if (near == 0) return;
     for (int i = 0; i < rays_->count; ++i) {
         if (!(in[i] < out[i])) continue;
