@@ -99,6 +99,9 @@ void RayThroughWorld::meet_sheet(const Sheet& sheet, double from, Boundary& firs
 void RayThroughWorld::complete_opaque(Boundary& boundary) {
     line_.select(world_.solids[boundary.solid]);
     if (boundary.leaf < 0) boundary.leaf = line_.leaf_at(boundary.t);
+    // From far away both ends of a span may round to one t, at which nothing seems to change: a leaf alone is met all the same.
+    const Solid& solid = world_.solids[boundary.solid];
+    if (boundary.leaf < 0 && solid.leaf_count == 1) boundary.leaf = solid.first_leaf;
     if (boundary.leaf >= 0 && world_.leaves[boundary.leaf].appearance < 0) {
         boundary.before = line_.label(boundary.t, Side::before);
         boundary.after = line_.label(boundary.t, Side::after);
@@ -107,7 +110,7 @@ void RayThroughWorld::complete_opaque(Boundary& boundary) {
 
 bool RayThroughWorld::enters(const Boundary& boundary) {
     line_.select(world_.solids[boundary.solid]);
-    return line_.inside(boundary.t, Side::after);
+    return line_.inside(boundary.t, Side::after) || !line_.inside(boundary.t, Side::before);
 }
 
 // A sheet is seen where every operand that clips it lets it be. Clips are closed sets: a sheet in their boundary is inside.
