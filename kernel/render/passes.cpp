@@ -373,7 +373,7 @@ void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
 void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
     worker.tile.assign(tile_size * tile_size, Pixel{});
     const auto pixel_at = [&](int x, int y) -> Pixel& {
-        return worker.tile[static_cast<std::size_t>((y - tile.y0) * tile_size + (x - tile.x0))];
+        return worker.tile[static_cast<std::size_t>(y - tile.y0) * tile_size + static_cast<std::size_t>(x - tile.x0)];
     };
     worker.batch->size = 0;
     for_each_pixel(tile, [&](int x, int y) {
