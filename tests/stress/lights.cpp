@@ -6,6 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "kernel/interfaces/light.h"
 #include "kernel/registry/registry.h"
@@ -104,6 +106,43 @@ TEST_CASE("T92: the light of balls and discs") {
     // A disc in the sky gives a surface that faces it the light of the hard one.
     for (double angle : {0.01, 0.5, pi})
         CHECK(irradiance(*make_light("direct", {{"angle", {angle}}}), {3, 4, 5}, {0, 0, -1}) == Approx(1).epsilon(1e-4));
+}
+
+TEST_CASE("T92: the solid angle of a disc, exactly") {
+    // A disc of radius 1 seen from 1 away fills 2 pi (1 - cos 45deg). So does the ball of radius 1 about a centre sqrt(2) away,
+    // and a disc in the sky of 90 degrees. A light of radiance 1 has this light in all its samples together.
+    constexpr double golden = 1.84030236902122;
+    Random random(92);
+    for (const double size : {1e-6, 1.0, 1e6}) {
+        const auto ball = make_light("point", {{"radius", {size}}, {"intensity", {pi * size * size}}});
+        const auto spot = make_light("spot", {{"radius", {size}}, {"intensity", {pi * size * size}}, {"angles", {pi, pi}}});
+        for (int i = 0; i < 100; ++i) {
+            const Point p = to_point(std::sqrt(2) * size * random.direction());
+            const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
+            CHECK(std::fabs(ball->toward(p, sample).radiance.g - golden) <= 1e-12);
+            CHECK(std::fabs(spot->toward(p, sample).radiance.g - golden) <= 1e-12);
+        }
+    }
+    const auto sky = make_light("direct", {{"angle", {pi / 2}}, {"intensity", {pi / 2}}});  // pi sin^2 45deg on what faces it
+    CHECK(std::fabs(sky->toward({3, 4, 5}, {0.3, 0.7}).radiance.g - golden) <= 1e-12);
+}
+
+TEST_CASE("T92: samples of a light fill its solid angle evenly, up to its edge") {
+    // For equal solid angles, 1 - cos of the angle to the middle is uniform, and so is the angle around it.
+    const auto ball = make_light("point", {{"radius", {1}}});
+    const Point p{0, 0, -std::sqrt(2)};
+    constexpr int count = 1 << 18, bins = 16;
+    std::vector<int> rings(bins, 0), sectors(bins, 0);
+    Random random(92);
+    for (int i = 0; i < count; ++i) {
+        const Vector d = ball->toward(p, {random.uniform(0, 1), random.uniform(0, 1)}).direction;
+        const double part = (1 - d.z) / (1 - std::cos(pi / 4)), turn = std::atan2(d.y, d.x) / (2 * pi) + 0.5;
+        REQUIRE(part < 1);
+        ++rings[static_cast<std::size_t>(part * bins)];
+        ++sectors[static_cast<std::size_t>(std::fmin(turn * bins, bins - 1))];
+    }
+    for (const std::vector<int>& counts : {rings, sectors})
+        for (const int in_bin : counts) CHECK(in_bin == Approx(count / bins).epsilon(5 / std::sqrt(count / bins)));
 }
 
 TEST_CASE("samples of a ball lie on it, its middle straight ahead") {
