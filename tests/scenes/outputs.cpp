@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // The writers, each through its plugin: what is in the file, down to the last step of its encoding.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -13,6 +17,7 @@
 #include "lapidary/image_library.h"
 #include "lapidary/image_writer.h"
 #include "support/catch.h"
+#include "support/run.h"
 #include "support/temporary_folder.h"
 
 using namespace lapidary;
@@ -227,6 +232,37 @@ TEST_CASE("an EXR file keeps every value and names its layers") {
     for (int y = 0; y < 10; ++y)
         for (int x = 0; x < 20; ++x) wrong += sample(picture, "B", x, y) != frame.pixel(Layer::colour, x, y)[2];
     CHECK(wrong == 0);
+}
+
+TEST_CASE("an EXR file tells what a picture cost, pixel by pixel, and how far each may be off") {
+    const TemporaryFolder folder;
+    const fs::path scene = folder.path() / "edge.scene", file = folder.path() / "edge.exr";
+    std::ofstream(scene) << "output { resolution(48, 36); exr { aov(samples, error); } } background(0.1, 0.2, 0.3);\n"
+                            "render { error(0.02); } camera { location(0, 0, -4); }\n"
+                            "lights { ambient { } point { location(-3, 4, -4); intensity(30); } } objects { sphere { } }\n";
+    const RunResult result = run(fmt::format("cd {} && {} -v -w edge.scene", quoted(folder.path()), quoted(LAPIDARY_PROGRAM)));
+    INFO(result.output);
+    REQUIRE(result.exit_code == 0);
+
+    const Picture picture = read(file);
+    long samples = 0;
+    int within = 0, most_doubled = 0;
+    for (int y = 0; y < 36; ++y)
+        for (int x = 0; x < 48; ++x) {
+            const float taken = sample(picture, "samples", x, y), error = sample(picture, "error", x, y);
+            REQUIRE(std::has_single_bit(static_cast<unsigned>(taken)));
+            REQUIRE(error >= 0);
+            samples += static_cast<long>(taken);
+            within += error <= 0.02f;
+            most_doubled = std::max(most_doubled, static_cast<int>(taken));
+        }
+    // The corner shows the background; the ball's edge takes more than its middle.
+    CHECK(sample(picture, "error", 0, 0) == 0);
+    CHECK(sample(picture, "samples", 0, 0) == 2);
+    CHECK(most_doubled >= 8);
+    CHECK(result.output.find(fmt::format("{} samples,", samples)) != std::string::npos);
+    CHECK(within == 48 * 36);
+    CHECK(result.output.find("100 % within an error of 0.02") != std::string::npos);
 }
 
 TEST_CASE("a half EXR keeps whole numbers and lengths in 32 bits") {
