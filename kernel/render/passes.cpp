@@ -20,7 +20,7 @@ namespace lapidary {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
 
 constexpr int tile_size = 32;
 // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
@@ -188,7 +188,9 @@ private:
     bool finishes_tiles_at_once() const { return plan_.samples > 0 && !filter_.has_negative_lobes(); }
     bool is_stopped() const;
     bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
-    bool is_time_up() const { return deadline_ && Clock::now() >= *deadline_; }
+    bool is_time_up() const { return options_.time && elapsed() >= *options_.time; }
+    Seconds now() const { return options_.clock ? options_.clock() : std::chrono::steady_clock::now().time_since_epoch(); }
+    Seconds elapsed() const { return now() - begin_; }
 
     const CameraRays& camera_;
     const PixelFilter& filter_;
@@ -196,8 +198,7 @@ private:
     Frame& frame_;
     const RenderOptions& options_;
 
-    Clock::time_point begin_ = Clock::now();
-    std::optional<Clock::time_point> deadline_;
+    Seconds begin_;
     std::optional<double> first_view_;
     std::uint32_t first_samples_ = 0;
     std::uint32_t most_samples_ = 0;             // where their number is not fixed
@@ -240,10 +241,10 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
       plan_(plan),
       frame_(frame),
       options_(options),
+      begin_(now()),
       picture_{0, 0, frame.width(), frame.height()},
       region_(options.region ? intersection(*options.region, picture_) : picture_),
       workers_([&make_integrand] { return Worker(make_integrand()); }) {
-    if (options.time) deadline_ = begin_ + std::chrono::duration_cast<Clock::duration>(*options.time);
     for (const Layer layer : {Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
         wants_layers_ |= frame.has(layer);
 
@@ -460,7 +461,7 @@ void Passes::flush(Worker& worker) {
 void Passes::preview() {
     for (const int block : preview_blocks) {
         for_each_tile(region_, [&](const PixelRegion& tile) { preview_tile(tile, block, workers_.local()); });
-        if (!first_view_ && !is_stopped()) first_view_ = std::chrono::duration<double>(Clock::now() - begin_).count();
+        if (!first_view_ && !is_stopped()) first_view_ = elapsed().count();
     }
 }
 
@@ -621,7 +622,7 @@ void Passes::announce(const PixelRegion& tile) {
 
 void Passes::report_progress() {
     if (plan_.refine_until_time_is_up)
-        frame_.raise_progress(std::chrono::duration<double>(Clock::now() - begin_) / *options_.time);
+        frame_.raise_progress(elapsed() / *options_.time);
     else
         frame_.raise_progress(static_cast<double>(taken_samples_) / static_cast<double>(expected_samples_));
 }
@@ -654,7 +655,7 @@ RenderReport Passes::report() {
         report.trace += worker.integrand->statistics();
         report.trace.non_finite_samples += worker.non_finite_samples;
     }
-    report.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    report.seconds = elapsed().count();
     report.processor_seconds = processor_seconds_;
     report.first_view = first_view_;
     return report;

@@ -20,14 +20,15 @@ namespace lapidary {
 class World;
 
 struct RenderOptions {
-    int threads = 0;                                    // 0: as many as the machine has
-    std::optional<PixelRegion> region;                  // nothing: the whole picture
-    std::optional<int> samples;                         // --samples: exactly this many a pixel
-    std::optional<double> error;                        // --error: overrides the scene's
-    std::optional<std::chrono::duration<double>> time;  // --time: the best picture in that time
-    std::uint32_t sequence = 0;                         // another one renders the picture with independent samples
-    const std::atomic<bool>* cancel = nullptr;          // set from anywhere; noticed within 50 ms
-    bool one_by_one = false;                            // no packets of rays: what these are compared with
+    int threads = 0;                                       // 0: as many as the machine has
+    std::optional<PixelRegion> region;                     // nothing: the whole picture
+    std::optional<int> samples;                            // --samples: exactly this many a pixel
+    std::optional<double> error;                           // --error: overrides the scene's
+    std::optional<std::chrono::duration<double>> time;     // --time: the best picture in that time
+    std::function<std::chrono::duration<double>()> clock;  // what time is told by, asked from any thread; nothing: the wall's
+    std::uint32_t sequence = 0;                            // another one renders the picture with independent samples
+    const std::atomic<bool>* cancel = nullptr;             // set from anywhere; noticed within 50 ms
+    bool one_by_one = false;                               // no packets of rays: what these are compared with
     bool preview = false;  // begin with a coarse picture of the whole region, for somebody who looks on
     // Called whenever a tile has changed, one at a time, while only that tile may be read: its first samples, then each
     // refinement.

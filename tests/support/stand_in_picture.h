@@ -3,7 +3,9 @@
 // A picture that is a formula, to test sampling without a tracer: balls before a checkered floor that runs to the horizon.
 #pragma once
 
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace lapidary {
 struct StandInPicture {
     int width = 96, height = 72;
     bool soft_shadow = false;
+    std::atomic<std::int64_t>* traced = nullptr;  // counts the rays, if given
 
     // `light` picks a place on the light; it matters to the soft shadow only.
     Colour at(double x, double y, SamplePair light = {}) const {
@@ -47,6 +50,7 @@ private:
     public:
         explicit Rays(const StandInPicture& picture) : picture_(picture) {}
         void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool) override {
+            if (picture_.traced) *picture_.traced += std::ssize(samples);
             for (std::size_t i = 0; i < samples.size(); ++i) {
                 const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
                 const Point p = ray.origin.rounded();

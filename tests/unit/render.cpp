@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -210,18 +214,106 @@ TEST_CASE("a cancellation stops the work within a few dozen rays and says so") {
     }
 }
 
-// How long it takes beyond the limit depends on what else the machine does, and is not judged here.
-TEST_CASE("with a time limit the picture is refined until the time is up, and all of it is there") {
-    const StandInPicture picture;
-    Frame frame = picture.frame({Layer::samples});
-    RenderOptions options;
-    options.time = std::chrono::milliseconds(2000);
+namespace {
+
+// A picture that takes a second for every ray, by the clock that it is given.
+class TimedPicture {
+public:
+    TimedPicture() {
+        picture_.width = 48, picture_.height = 36;
+        picture_.traced = &traced_;
+    }
+
+    struct Taken {
+        std::unique_ptr<Frame> frame;
+        RenderReport report;
+    };
+
+    Taken render(const SamplingPlan& plan, std::optional<double> limit, int threads = 1, std::uint32_t sequence = 0) {
+        Taken taken{std::make_unique<Frame>(picture_.width, picture_.height, LayerSet{Layer::samples}), {}};
+        RenderOptions options;
+        options.threads = threads;
+        options.sequence = sequence;
+        options.clock = [this] { return std::chrono::duration<double>(static_cast<double>(traced_.load())); };
+        if (limit) options.time = std::chrono::duration<double>(*limit);
+        taken.report = picture_.render(*taken.frame, plan, options);
+        return taken;
+    }
+
+    int differing_pixels(const Frame& a, const Frame& b) const {
+        return ::differing_pixels(a, b, {0, 0, picture_.width, picture_.height});
+    }
+
+private:
+    StandInPicture picture_;
+    std::atomic<std::int64_t> traced_{0};
+};
+
+SamplingPlan as_good_as_time_allows() {
     SamplingPlan plan;
     plan.refine_until_time_is_up = true;
-    const RenderReport report = picture.render(frame, plan, options);
-    CHECK(report.complete);
-    CHECK(report.samples >= report.pixels);
-    CHECK(*std::ranges::min_element(frame.layer(Layer::samples)) >= 1);
+    return plan;
+}
+
+double rmse(const Frame& a, const Frame& b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.layer(Layer::colour).size(); ++i)
+        squares += std::pow(a.layer(Layer::colour)[i] - b.layer(Layer::colour)[i], 2);
+    return std::sqrt(squares / static_cast<double>(a.layer(Layer::colour).size()));
+}
+
+}  // namespace
+
+TEST_CASE("with a time limit the picture is refined until the time is up, less than a batch of rays beyond") {
+    TimedPicture picture;
+    for (const int threads : {1, 2, 3}) {
+        const auto [frame, report] = picture.render(as_good_as_time_allows(), 20000, threads);
+        CHECK(report.complete);
+        CHECK(report.seconds >= 20000);
+        CHECK(report.seconds < 20000 + threads * 64);
+        CHECK(*std::ranges::min_element(frame->layer(Layer::samples)) >= 1);
+        // All but the few rays of the preview went into the picture.
+        CHECK(report.samples > 19500);
+    }
+}
+
+TEST_CASE("more time makes a better picture") {
+    TimedPicture picture;
+    const auto reference = picture.render(uniform(1024), {}, 1, 1).frame;
+    double before = rmse(*picture.render(as_good_as_time_allows(), 2500).frame, *reference);
+    for (const double limit : {10000, 40000, 160000}) {
+        const auto [frame, report] = picture.render(as_good_as_time_allows(), limit);
+        const double error = rmse(*frame, *reference);
+        INFO(limit << " rays: " << error);
+        CHECK(error < 0.6 * before);  // random samples would halve it
+        before = error;
+    }
+}
+
+TEST_CASE("a time too short for a sample of every pixel leaves the preview, and says so") {
+    TimedPicture picture;
+    const auto [frame, report] = picture.render(as_good_as_time_allows(), 1000);
+    CHECK_FALSE(report.complete);
+    CHECK(report.finished < report.pixels);
+    CHECK(report.seconds < 1000 + 64);
+    int black = 0;
+    for (int y = 0; y < frame->height(); ++y)
+        for (int x = 0; x < frame->width(); ++x) black += frame->pixel(Layer::colour, x, y)[2] == 0;
+    CHECK(black == 0);  // the picture has no black place
+}
+
+TEST_CASE("a time limit that is not reached changes nothing") {
+    TimedPicture picture;
+    for (const SamplingPlan& plan : {uniform(5), adaptive(0.02)}) {
+        const auto free = picture.render(plan, {}), limited = picture.render(plan, 1e7);
+        CHECK(limited.report.complete);
+        CHECK(limited.report.seconds < 1e7);
+        CHECK(picture.differing_pixels(*free.frame, *limited.frame) == 0);
+
+        const auto stopped = picture.render(plan, 3000);
+        CHECK_FALSE(stopped.report.finished == stopped.report.pixels);
+        CHECK(stopped.report.seconds < 3000 + 64);
+    }
 }
 
 TEST_CASE("finished pixels are counted once each, tiles are announced one at a time") {
