@@ -8,13 +8,13 @@ namespace lapidary {
 
 namespace {
 
-constexpr TwoPartMatrix3 zero_matrix() { return {}; }
-
-TwoPartMatrix3 identity_matrix() {
-    TwoPartMatrix3 m = zero_matrix();
+TwoPartMatrix3 two_part_identity() {
+    TwoPartMatrix3 m;
     for (int i = 0; i < 3; ++i) m[i][i] = 1.0;
     return m;
 }
+
+const TwoPartMatrix3 exact_identity = two_part_identity();
 
 TwoPartMatrix3 multiply(const TwoPartMatrix3& a, const TwoPartMatrix3& b) {
     TwoPartMatrix3 m;
@@ -91,7 +91,7 @@ TwoPart square_root(const TwoPart& a) {
 // Rotation by an angle that carries axis `from` toward axis `to`.
 TwoPartMatrix3 axis_rotation(int from, int to, double angle) {
     const SineCosine sc = sine_cosine(angle);
-    TwoPartMatrix3 m = identity_matrix();
+    TwoPartMatrix3 m = exact_identity;
     m[from][from] = sc.cosine;
     m[from][to] = sc.sine;
     m[to][from] = -sc.sine;
@@ -171,6 +171,8 @@ bool is_finite(const TwoPartMatrix3& m) {
     return true;
 }
 
+bool is_finite(const LinearMap& map) { return is_finite(map.exact_linear) && is_finite(map.exact_inverse); }
+
 Matrix3 round(const TwoPartMatrix3& m) {
     Matrix3 rounded;
     for (int i = 0; i < 3; ++i)
@@ -178,65 +180,109 @@ Matrix3 round(const TwoPartMatrix3& m) {
     return rounded;
 }
 
-}  // namespace
+LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& inverse) {
+    LinearMap map{round(linear), round(inverse), linear, inverse};
+    // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
+    map.lopsided = largest_entry(map.linear) * largest_entry(map.inverse) > 16;
+    return std::make_shared<const LinearMap>(map);
+}
 
-ExactTransform::ExactTransform() : linear_(identity_matrix()), inverse_linear_(identity_matrix()), translation_{} {}
+LinearMapPtr rotation_map(const TwoPartMatrix3& turned) { return make_map(turned, transpose(turned)); }
 
-std::optional<ExactTransform> ExactTransform::of(const TransformFactor& factor) {
+// Null where a scale is 0 or not finite; the identity is none of these.
+LinearMapPtr scale_map(const std::array<double, 12>& v) {
+    TwoPartMatrix3 linear = exact_identity, inverse = exact_identity;
+    for (int i = 0; i < 3; ++i) {
+        if (!(std::fabs(v[i]) > 0) || !std::isfinite(v[i])) return nullptr;
+        linear[i][i] = v[i];
+        inverse[i][i] = TwoPart(1.0) / TwoPart(v[i]);
+    }
+    return make_map(linear, inverse);
+}
+
+// x gains xy y + xz z, y gains yx x + yz z, z gains zx x + zy y
+TwoPartMatrix3 shear_matrix(const std::array<double, 12>& v) {
+    TwoPartMatrix3 m = exact_identity;
+    m[1][0] = v[0], m[2][0] = v[1];
+    m[0][1] = v[2], m[2][1] = v[3];
+    m[0][2] = v[4], m[1][2] = v[5];
+    return m;
+}
+
+TwoPartMatrix3 written_matrix(const std::array<double, 12>& v) {
+    TwoPartMatrix3 m;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[i][j] = v[3 * i + j];
+    return m;
+}
+
+LinearMapPtr invertible_map(const TwoPartMatrix3& linear) {
+    const auto inverse = inverse_of(linear);
+    return inverse ? make_map(linear, *inverse) : nullptr;
+}
+
+// What a factor does apart from its translation, where that is not the identity; null where it is singular.
+LinearMapPtr linear_part(const TransformFactor& factor) {
     const auto& v = factor.values;
-    ExactTransform t;
     switch (factor.kind) {
         case TransformFactor::Kind::translate:
-            t.translation_ = {v[0], v[1], v[2]};
-            break;
+            return nullptr;
         case TransformFactor::Kind::scale:
-            for (int i = 0; i < 3; ++i) {
-                if (!(std::fabs(v[i]) > 0) || !std::isfinite(v[i])) return std::nullopt;
-                t.linear_[i][i] = v[i];
-                t.inverse_linear_[i][i] = TwoPart(1.0) / TwoPart(v[i]);
-                if (v[i] != 1) t.identity_linear_ = false;
-            }
-            break;
+            return scale_map(v);
         case TransformFactor::Kind::rotx:
         case TransformFactor::Kind::roty:
         case TransformFactor::Kind::rotz: {
-            if (!std::isfinite(v[0])) return std::nullopt;
+            if (!std::isfinite(v[0])) return nullptr;
             const int axis = static_cast<int>(factor.kind) - static_cast<int>(TransformFactor::Kind::rotx);
-            t.linear_ = axis_rotation((axis + 1) % 3, (axis + 2) % 3, v[0]);
-            t.inverse_linear_ = transpose(t.linear_);
-            t.identity_linear_ = v[0] == 0;
-            break;
+            return rotation_map(axis_rotation((axis + 1) % 3, (axis + 2) % 3, v[0]));
         }
         case TransformFactor::Kind::rotate: {
+            if (!std::isfinite(v[3])) return nullptr;
             const auto turned = rotation({v[0], v[1], v[2]}, v[3]);
-            if (!turned || !std::isfinite(v[3])) return std::nullopt;
-            t.linear_ = *turned;
-            t.inverse_linear_ = transpose(t.linear_);
-            t.identity_linear_ = false;
-            break;
+            return turned ? rotation_map(*turned) : nullptr;
         }
         case TransformFactor::Kind::shear:
-        case TransformFactor::Kind::matrix: {
-            if (factor.kind == TransformFactor::Kind::shear) {
-                // x gains xy y + xz z, y gains yx x + yz z, z gains zx x + zy y
-                t.linear_[1][0] = v[0], t.linear_[2][0] = v[1];
-                t.linear_[0][1] = v[2], t.linear_[2][1] = v[3];
-                t.linear_[0][2] = v[4], t.linear_[1][2] = v[5];
-            } else {
-                for (int i = 0; i < 3; ++i)
-                    for (int j = 0; j < 3; ++j) t.linear_[i][j] = v[3 * i + j];
-                t.translation_ = {v[9], v[10], v[11]};
-            }
-            const auto inverted = inverse_of(t.linear_);
-            if (!inverted) return std::nullopt;
-            t.inverse_linear_ = *inverted;
-            t.identity_linear_ = false;
-            break;
-        }
+            return invertible_map(shear_matrix(v));
+        case TransformFactor::Kind::matrix:
+            return invertible_map(written_matrix(v));
     }
+    return nullptr;
+}
+
+bool only_translates(const TransformFactor& factor) {
+    const auto& v = factor.values;
+    switch (factor.kind) {
+        case TransformFactor::Kind::translate:
+            return true;
+        case TransformFactor::Kind::scale:
+            return v[0] == 1 && v[1] == 1 && v[2] == 1;
+        case TransformFactor::Kind::rotx:
+        case TransformFactor::Kind::roty:
+        case TransformFactor::Kind::rotz:
+            return v[0] == 0;
+        default:
+            return false;
+    }
+}
+
+std::array<TwoPart, 3> translation_of(const TransformFactor& factor) {
+    const auto& v = factor.values;
+    if (factor.kind == TransformFactor::Kind::translate) return {v[0], v[1], v[2]};
+    if (factor.kind == TransformFactor::Kind::matrix) return {v[9], v[10], v[11]};
+    return {};
+}
+
+}  // namespace
+
+std::optional<ExactTransform> ExactTransform::of(const TransformFactor& factor) {
+    ExactTransform t;
+    t.translation_ = translation_of(factor);
     for (const TwoPart& value : t.translation_)
         if (!std::isfinite(value.hi)) return std::nullopt;
-    if (!is_finite(t.linear_) || !is_finite(t.inverse_linear_)) return std::nullopt;
+    if (!only_translates(factor)) {
+        t.linear_ = linear_part(factor);
+        if (!t.linear_ || !is_finite(*t.linear_)) return std::nullopt;
+    }
     return factor.inverted ? t.inverse() : t;
 }
 
@@ -247,21 +293,20 @@ std::optional<ExactTransform> ExactTransform::of(const std::vector<TransformFact
         if (!next) return std::nullopt;
         composed = composed.then(*next);
     }
-    if (!is_finite(composed.linear_) || !is_finite(composed.inverse_linear_)) return std::nullopt;
+    if (composed.linear_ && !is_finite(*composed.linear_)) return std::nullopt;
     return composed;
 }
 
 ExactTransform ExactTransform::then(const ExactTransform& next) const {
     ExactTransform t;
-    t.identity_linear_ = identity_linear_ && next.identity_linear_;
-    if (next.identity_linear_) {
+    if (!next.linear_) {
         t.linear_ = linear_;
-        t.inverse_linear_ = inverse_linear_;
         t.translation_ = translation_;
     } else {
-        t.linear_ = identity_linear_ ? next.linear_ : multiply(linear_, next.linear_);
-        t.inverse_linear_ = identity_linear_ ? next.inverse_linear_ : multiply(next.inverse_linear_, inverse_linear_);
-        t.translation_ = multiply(translation_, next.linear_);
+        t.linear_ = linear_ ? make_map(multiply(linear_->exact_linear, next.linear_->exact_linear),
+                                       multiply(next.linear_->exact_inverse, linear_->exact_inverse))
+                            : next.linear_;
+        t.translation_ = multiply(translation_, next.linear_->exact_linear);
     }
     for (int i = 0; i < 3; ++i) t.translation_[i] = t.translation_[i] + next.translation_[i];
     return t;
@@ -269,24 +314,18 @@ ExactTransform ExactTransform::then(const ExactTransform& next) const {
 
 ExactTransform ExactTransform::inverse() const {
     ExactTransform t;
-    t.linear_ = inverse_linear_;
-    t.inverse_linear_ = linear_;
-    t.identity_linear_ = identity_linear_;
-    const auto back = multiply(translation_, inverse_linear_);
+    if (linear_) t.linear_ = make_map(linear_->exact_inverse, linear_->exact_linear);
+    const auto back = multiply(translation_, inverse_linear());
     t.translation_ = {-back[0], -back[1], -back[2]};
     return t;
 }
 
-Transform::Transform(const ExactTransform& exact)
-    : linear_(round(exact.linear())),
-      inverse_linear_(round(exact.inverse_linear())),
-      identity_linear_(exact.has_identity_linear()) {
+const TwoPartMatrix3& ExactTransform::linear() const { return linear_ ? linear_->exact_linear : exact_identity; }
+const TwoPartMatrix3& ExactTransform::inverse_linear() const { return linear_ ? linear_->exact_inverse : exact_identity; }
+
+Transform::Transform(const ExactTransform& exact) : linear_(exact.linear_map()) {
     const auto& c = exact.translation();
     centre_ = {{c[0].hi, c[1].hi, c[2].hi}, {c[0].lo, c[1].lo, c[2].lo}};
-    // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
-    lopsided_ = largest_entry(linear_) * largest_entry(inverse_linear_) > 16;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) inverse_linear_rest_[i][j] = exact.inverse_linear()[i][j].lo;
 }
 
 Point Transform::to_parent(const Point& p) const { return centre_.anchor + (to_parent(to_vector(p)) + centre_.offset); }
@@ -311,11 +350,7 @@ std::array<TwoPart, 3> Transform::to_local_two_part(const Vector& v) const {
 }
 
 std::array<TwoPart, 3> Transform::to_local_two_part(const std::array<TwoPart, 3>& v) const {
-    if (identity_linear_) return v;
-    std::array<TwoPart, 3> local;
-    for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) local[j] = local[j] + v[i] * TwoPart(inverse_linear_[i][j], inverse_linear_rest_[i][j]);
-    return local;
+    return linear_ ? multiply(v, linear_->exact_inverse) : v;
 }
 
 TwoPartPoint Transform::to_parent_two_part(const Point& p) const {
@@ -325,23 +360,23 @@ TwoPartPoint Transform::to_parent_two_part(const Point& p) const {
 Bounds Transform::to_parent(const Bounds& b) const {
     if (b.is_empty()) return b;
     // Each coordinate of the image is a sum of one term per axis: its range is the sum of the terms' ranges.
+    const Matrix3& m = linear();
     const std::array<double, 3> low{b.low.x, b.low.y, b.low.z}, high{b.high.x, b.high.y, b.high.z};
     std::array<double, 3> out_low{}, out_high{};
     const std::array<double, 3> centre{centre_.anchor.x, centre_.anchor.y, centre_.anchor.z};
     for (int j = 0; j < 3; ++j) {
         out_low[j] = out_high[j] = centre[j];
         for (int i = 0; i < 3; ++i) {
-            const double m = linear_[i][j];
-            if (m == 0) continue;  // keeps 0 * infinity out
-            out_low[j] += m * (m > 0 ? low[i] : high[i]);
-            out_high[j] += m * (m > 0 ? high[i] : low[i]);
+            if (m[i][j] == 0) continue;  // keeps 0 * infinity out
+            out_low[j] += m[i][j] * (m[i][j] > 0 ? low[i] : high[i]);
+            out_high[j] += m[i][j] * (m[i][j] > 0 ? high[i] : low[i]);
         }
     }
     return {{out_low[0], out_low[1], out_low[2]}, {out_high[0], out_high[1], out_high[2]}};
 }
 
 bool Transform::mirrors() const {
-    const auto& m = linear_;
+    const Matrix3& m = linear();
     return dot(cross({m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}), Vector{m[2][0], m[2][1], m[2][2]}) < 0;
 }
 

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,10 +51,21 @@ inline Vector multiply_transposed(const Vector& v, const Matrix3& m) {
 
 using TwoPartMatrix3 = std::array<std::array<TwoPart, 3>, 3>;
 
+inline constexpr Matrix3 identity_matrix{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+// A linear map with its inverse, rounded and in two parts. One is shared by all maps that differ from one another by
+// a translation only; none stands for the identity.
+struct LinearMap {
+    Matrix3 linear, inverse;
+    TwoPartMatrix3 exact_linear, exact_inverse;
+    bool lopsided = false;  // some directions are stretched much more than others
+};
+using LinearMapPtr = std::shared_ptr<const LinearMap>;
+
 // A composition under way: matrix, inverse and translation in two parts.
 class LAPIDARY_API ExactTransform {
 public:
-    ExactTransform();  // identity
+    ExactTransform() = default;  // identity
     // The map of one factor; nothing where it is singular (a zero scale, a rank-deficient or non-finite matrix).
     static std::optional<ExactTransform> of(const TransformFactor& factor);
     static std::optional<ExactTransform> of(const std::vector<TransformFactor>& factors);
@@ -62,15 +74,15 @@ public:
     ExactTransform then(const ExactTransform& next) const;
     ExactTransform inverse() const;
 
-    const TwoPartMatrix3& linear() const { return linear_; }
-    const TwoPartMatrix3& inverse_linear() const { return inverse_linear_; }
+    const LinearMapPtr& linear_map() const { return linear_; }
+    const TwoPartMatrix3& linear() const;
+    const TwoPartMatrix3& inverse_linear() const;
     const std::array<TwoPart, 3>& translation() const { return translation_; }
-    bool has_identity_linear() const { return identity_linear_; }
+    bool has_identity_linear() const { return !linear_; }
 
 private:
-    TwoPartMatrix3 linear_, inverse_linear_;
+    LinearMapPtr linear_;
     std::array<TwoPart, 3> translation_;
-    bool identity_linear_ = true;
 };
 
 // The rounded map between a local space and its parent's (for a flattened leaf: the world).
@@ -80,14 +92,14 @@ public:
     explicit Transform(const ExactTransform& exact);
 
     Point to_parent(const Point& p) const;
-    Vector to_parent(const Vector& v) const { return identity_linear_ ? v : multiply(v, linear_); }
+    Vector to_parent(const Vector& v) const { return linear_ ? multiply(v, linear_->linear) : v; }
     Normal to_parent(const Normal& n) const {  // by the inverse transpose; not normalised
-        return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), inverse_linear_));
+        return linear_ ? Normal(multiply_transposed(to_vector(n), linear_->inverse)) : n;
     }
     Bounds to_parent(const Bounds& b) const;
     Point to_local(const Point& p) const;
-    Vector to_local(const Vector& v) const { return identity_linear_ ? v : multiply(v, inverse_linear_); }
-    Normal to_local(const Normal& n) const { return identity_linear_ ? n : Normal(multiply_transposed(to_vector(n), linear_)); }
+    Vector to_local(const Vector& v) const { return linear_ ? multiply(v, linear_->inverse) : v; }
+    Normal to_local(const Normal& n) const { return linear_ ? Normal(multiply_transposed(to_vector(n), linear_->linear)) : n; }
 
     // A^-1 (p - centre), the difference taken in two parts: keeps its digits far from the world's origin.
     Point to_local(const TwoPartPoint& p) const;
@@ -98,22 +110,18 @@ public:
     TwoPartPoint to_parent_two_part(const Point& p) const;
 
     const TwoPartPoint& centre() const { return centre_; }
-    const Matrix3& linear() const { return linear_; }
-    const Matrix3& inverse_linear() const { return inverse_linear_; }
-    bool has_identity_linear() const { return identity_linear_; }
+    const Matrix3& linear() const { return linear_ ? linear_->linear : identity_matrix; }
+    const Matrix3& inverse_linear() const { return linear_ ? linear_->inverse : identity_matrix; }
+    bool has_identity_linear() const { return !linear_; }
     bool mirrors() const;  // the map turns left hands into right ones
     // Some directions are stretched much more than others: what is near here may be far away in the local space.
-    bool is_lopsided() const { return lopsided_; }
+    bool is_lopsided() const { return linear_ && linear_->lopsided; }
 
 private:
     std::array<TwoPart, 3> to_local_two_part(const std::array<TwoPart, 3>& v) const;
 
     TwoPartPoint centre_;
-    Matrix3 linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    Matrix3 inverse_linear_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    bool identity_linear_ = true;
-    bool lopsided_ = false;
-    Matrix3 inverse_linear_rest_{};  // what rounding the inverse left over
+    LinearMapPtr linear_;
 };
 
 }  // namespace lapidary
