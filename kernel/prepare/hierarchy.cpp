@@ -1,29 +1,192 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/prepare/hierarchy.h"
 
+#include <oneapi/tbb/parallel_invoke.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numeric>
+#include <limits>
+#include <tuple>
 
 namespace lapidary {
 
 namespace {
 
-constexpr int bin_count = 16;
-constexpr int depth_limit = 100;  // the traversal's stack holds 128 entries; beyond it, split in the middle
+constexpr std::size_t bin_count = 16;
+constexpr std::size_t few = 8;              // so few items are sorted, and every cut between them is tried
+constexpr std::size_t worth_a_task = 4096;  // items
+constexpr int depth_limit = 100;            // the traversal's stack holds 128 entries; beyond it, cut in the middle
 
-double half_area(const Bounds& b) {
-    if (b.is_empty()) return 0;
-    const Vector d = b.diagonal();
-    return d.x * d.y + d.y * d.z + d.z * d.x;
+// The next float up or down, for finite ones.
+float above(float v) {
+    if (v == 0) return std::numeric_limits<float>::denorm_min();
+    const auto bits = std::bit_cast<std::int32_t>(v);
+    return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
+}
+float below(float v) { return -above(-v); }
+
+struct Box {
+    std::array<float, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+
+    void include(const Box& other) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            low[i] = other.low[i] < low[i] ? other.low[i] : low[i];
+            high[i] = other.high[i] > high[i] ? other.high[i] : high[i];
+        }
+    }
+    // In double: the squares of very large sizes are beyond a float.
+    double half_area() const {
+        const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+        return x * y + y * z + z * x;
+    }
+};
+
+// An item with its box, relative to the anchor and rounded outward.
+struct Entry {
+    Box box;
+    std::int32_t item = 0;
+
+    float twice_centre(std::size_t axis) const { return box.low[axis] + box.high[axis]; }
+};
+
+Entry make_entry(const Bounds& bounds, const Point& anchor, std::int32_t item) {
+    const Vector low = bounds.low - anchor, high = bounds.high - anchor;
+    const auto down = [](double v) { return below(static_cast<float>(v)); };
+    const auto up = [](double v) { return above(static_cast<float>(v)); };
+    return {{{down(low.x), down(low.y), down(low.z)}, {up(high.x), up(high.y), up(high.z)}}, item};
 }
 
-std::array<double, 3> components(const Point& p) { return {p.x, p.y, p.z}; }
+// What a number of entries take up: their boxes, and the middles of these, doubled.
+struct Extent {
+    Box box, centres;
+    std::size_t count = 0;
 
-// Floats outward: a float below the low end and one above the high end, relative to the anchor, with the padding that
-// 1e-6 of a box's own size and the rounding of the subtraction need.
-float below(double v) { return std::nextafterf(static_cast<float>(v), -INFINITY); }
-float above(double v) { return std::nextafterf(static_cast<float>(v), INFINITY); }
+    void include(const Entry& entry) {
+        Box centre;
+        for (std::size_t axis = 0; axis < 3; ++axis) centre.low[axis] = centre.high[axis] = entry.twice_centre(axis);
+        include({entry.box, centre, 1});
+    }
+    void include(const Extent& other) {
+        box.include(other.box);
+        centres.include(other.centres);
+        count += other.count;
+    }
+    double cost() const { return box.half_area() * static_cast<double>(count); }
+
+    std::size_t widest_axis() const {
+        const auto width = [this](std::size_t axis) { return centres.high[axis] - centres.low[axis]; };
+        std::size_t widest = 0;
+        for (const std::size_t axis : {1, 2})
+            if (width(axis) > width(widest)) widest = axis;
+        return widest;
+    }
+};
+
+Extent extent_of(std::span<const Entry> entries) {
+    Extent extent;
+    for (const Entry& entry : entries) extent.include(entry);
+    return extent;
+}
+
+// Two neighbouring ranges of entries.
+struct Cut {
+    std::array<Extent, 2> halves;
+    std::size_t first_right = 0;  // the bin in which the right one begins
+};
+
+// Between which of the bins to cut, the first and last of which hold something: where area times number, left and right, is
+// least.
+Cut cheapest_cut(std::span<const Extent> bins) {
+    std::array<Extent, bin_count> right;
+    Extent sum;
+    for (std::size_t bin = bins.size() - 1; bin > 0; --bin) {
+        sum.include(bins[bin]);
+        right[bin] = sum;
+    }
+    Cut cut;
+    double least = infinity;
+    sum = Extent();
+    for (std::size_t bin = 1; bin < bins.size(); ++bin) {
+        sum.include(bins[bin - 1]);
+        const double cost = sum.cost() + right[bin].cost();
+        if (cost < least || bin == 1) {
+            least = cost;
+            cut = {{sum, right[bin]}, bin};
+        }
+    }
+    return cut;
+}
+
+void sort_along(std::size_t axis, std::span<Entry> entries) {
+    std::sort(entries.begin(), entries.end(), [axis](const Entry& a, const Entry& b) {
+        return std::make_tuple(a.twice_centre(axis), a.item) < std::make_tuple(b.twice_centre(axis), b.item);
+    });
+}
+
+// Every entry a bin of its own.
+std::array<Extent, 2> cut_few(std::span<Entry> entries, const Extent& extent) {
+    sort_along(extent.widest_axis(), entries);
+    std::array<Extent, few> bins;
+    for (std::size_t i = 0; i < entries.size(); ++i) bins[i].include(entries[i]);
+    return cheapest_cut({bins.data(), entries.size()}).halves;
+}
+
+std::array<Extent, 2> cut_in_the_middle(std::span<Entry> entries, const Extent& extent) {
+    sort_along(extent.widest_axis(), entries);
+    const std::size_t middle = entries.size() / 2;
+    return {extent_of(entries.first(middle)), extent_of(entries.subspan(middle))};
+}
+
+// Brings the entries into two groups, the left one first.
+std::array<Extent, 2> cut(std::span<Entry> entries, const Extent& extent, int depth) {
+    const std::size_t axis = extent.widest_axis();
+    const float low = extent.centres.low[axis];
+    const float per_bin = bin_count / (extent.centres.high[axis] - low);
+    if (depth >= depth_limit || !(per_bin < INFINITY)) return cut_in_the_middle(entries, extent);
+    if (entries.size() <= few) return cut_few(entries, extent);
+
+    const auto bin_of = [&](const Entry& entry) {
+        return std::min(static_cast<std::size_t>((entry.twice_centre(axis) - low) * per_bin), bin_count - 1);
+    };
+    std::array<Extent, bin_count> bins;
+    for (const Entry& entry : entries) bins[bin_of(entry)].include(entry);
+    const Cut cheapest = cheapest_cut(bins);
+    std::partition(entries.begin(), entries.end(), [&](const Entry& e) { return bin_of(e) < cheapest.first_right; });
+    return cheapest.halves;
+}
+
+// A float box of a node, padded by what 1e-6 of its size is.
+void set_box(Hierarchy::Node& node, std::size_t child, const Box& box) {
+    float size = 0;
+    for (std::size_t i = 0; i < 3; ++i) size = std::max(size, box.high[i] - box.low[i]);
+    for (std::size_t i = 0; i < 3; ++i) {
+        node.low[child][i] = below(box.low[i] - 1e-6f * size);
+        node.high[child][i] = above(box.high[i] + 1e-6f * size);
+    }
+}
+
+// The subtree over two entries or more. It fills one node less than it has entries, from `first` on, so that each subtree's
+// place is known before it is built.
+void build(std::span<Entry> entries, const Extent& extent, std::int32_t first, int depth, std::vector<Hierarchy::Node>& nodes) {
+    const std::array<Extent, 2> halves = cut(entries, extent, depth);
+    const std::size_t middle = halves[0].count;
+    const std::array<std::span<Entry>, 2> parts{entries.first(middle), entries.subspan(middle)};
+    const std::array<std::int32_t, 2> roots{first + 1, first + static_cast<std::int32_t>(middle)};
+    for (std::size_t i = 0; i < 2; ++i) {
+        set_box(nodes[first], i, halves[i].box);
+        nodes[first].child[i] = parts[i].size() == 1 ? ~parts[i].front().item : roots[i];
+    }
+    const auto build_part = [&](std::size_t i) {
+        if (parts[i].size() > 1) build(parts[i], halves[i], roots[i], depth + 1, nodes);
+    };
+    if (entries.size() >= worth_a_task) {
+        tbb::parallel_invoke([&] { build_part(0); }, [&] { build_part(1); });
+    } else {
+        build_part(0);
+        build_part(1);
+    }
+}
 
 }  // namespace
 
@@ -32,83 +195,20 @@ Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t
     Bounds all;
     for (const Bounds& box : boxes) all = unite(all, box);
     anchor_ = all.centre();
-    std::vector<std::int32_t> order(boxes.size());
-    std::iota(order.begin(), order.end(), 0);
-    nodes_.reserve(boxes.size());
-    build(boxes, order, items, 0);
-}
+    std::vector<Entry> entries;
+    entries.reserve(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) entries.push_back(make_entry(boxes[i], anchor_, items[i]));
 
-// Returns the index of the node over `order`, whose items it sorts so that each subtree is contiguous.
-std::int32_t Hierarchy::build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items,
-                              int depth) {
-    const auto index = static_cast<std::int32_t>(nodes_.size());
-    nodes_.emplace_back();
-
-    // The axis along which the centres spread most, in bins.
-    Bounds centres;
-    for (std::int32_t i : order) centres = unite(centres, boxes[i].centre());
-    const auto extent = components(to_point(centres.diagonal()));
-    const int axis = static_cast<int>(std::max_element(extent.begin(), extent.end()) - extent.begin());
-    const double low = components(centres.low)[axis];
-
-    std::size_t middle = order.size() / 2;
-    if (order.size() > 2 && extent[axis] > 0 && depth < depth_limit) {
-        const double per_bin = bin_count / extent[axis];
-        const auto bin_of = [&](std::int32_t i) {
-            return std::clamp(static_cast<int>((components(boxes[i].centre())[axis] - low) * per_bin), 0, bin_count - 1);
-        };
-        std::array<Bounds, bin_count> bin_boxes;
-        std::array<std::size_t, bin_count> bin_items{};
-        for (std::int32_t i : order) {
-            const int bin = bin_of(i);
-            bin_boxes[bin] = unite(bin_boxes[bin], boxes[i]);
-            ++bin_items[bin];
-        }
-        // The cost of a split after each bin: area times number, left and right.
-        std::array<double, bin_count> right_cost{};
-        Bounds box;
-        std::size_t count = 0;
-        for (int bin = bin_count - 1; bin > 0; --bin) {
-            box = unite(box, bin_boxes[bin]);
-            count += bin_items[bin];
-            right_cost[bin] = half_area(box) * static_cast<double>(count);
-        }
-        box = Bounds::empty();
-        count = 0;
-        double best = infinity;
-        int best_bin = -1;
-        for (int bin = 0; bin + 1 < bin_count; ++bin) {
-            box = unite(box, bin_boxes[bin]);
-            count += bin_items[bin];
-            const double cost = half_area(box) * static_cast<double>(count) + right_cost[bin + 1];
-            if (count > 0 && count < order.size() && cost < best) best = cost, best_bin = bin;
-        }
-        if (best_bin >= 0)
-            middle = static_cast<std::size_t>(
-                std::partition(order.begin(), order.end(), [&](std::int32_t i) { return bin_of(i) <= best_bin; }) -
-                order.begin());
+    if (entries.size() == 1) {
+        Node& only = nodes_.emplace_back();
+        set_box(only, 0, entries.front().box);
+        only.child = {~entries.front().item, no_child};
+        only.low[1] = {INFINITY, INFINITY, INFINITY};
+        only.high[1] = {-INFINITY, -INFINITY, -INFINITY};
+        return;
     }
-
-    const std::array<std::span<std::int32_t>, 2> halves{order.first(middle), order.subspan(middle)};
-    for (int i = 0; i < 2; ++i) {
-        Bounds box;
-        for (std::int32_t item : halves[i]) box = unite(box, boxes[item]);
-        Node& node = nodes_[index];
-        if (halves[i].empty()) {
-            node.child[i] = no_child;
-            node.low[i] = {INFINITY, INFINITY, INFINITY};
-            node.high[i] = {-INFINITY, -INFINITY, -INFINITY};
-            continue;
-        }
-        const Vector size = box.diagonal();
-        const double padding = 1e-6 * std::max({size.x, size.y, size.z});
-        const Vector relative_low = box.low - anchor_, relative_high = box.high - anchor_;
-        node.low[i] = {below(relative_low.x - padding), below(relative_low.y - padding), below(relative_low.z - padding)};
-        node.high[i] = {above(relative_high.x + padding), above(relative_high.y + padding), above(relative_high.z + padding)};
-        const std::int32_t child = halves[i].size() == 1 ? ~items[halves[i][0]] : build(boxes, halves[i], items, depth + 1);
-        nodes_[index].child[i] = child;
-    }
-    return index;
+    nodes_.resize(entries.size() - 1);
+    build(entries, extent_of(entries), 0, 0, nodes_);
 }
 
 }  // namespace lapidary

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A binary bounding-volume hierarchy over boxes, built by the binned surface-area heuristic.
+// A binary bounding-volume hierarchy over boxes, built by the binned surface-area heuristic: large parts at the same time
+// where there are threads, into the same tree whatever their number.
 //
 // Boxes are stored as floats relative to an anchor, rounded outward and padded, so that no box loses a ray that the
 // double arithmetic of its contents would find.
@@ -48,9 +49,6 @@ public:
     void for_each_at(const Point& point, double slack, Visit visit) const;
 
 private:
-    std::int32_t build(std::span<const Bounds> boxes, std::span<std::int32_t> order, std::span<const std::int32_t> items,
-                       int depth);
-
     Point anchor_;
     std::vector<Node> nodes_;
 };
