@@ -4,10 +4,10 @@
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <tuple>
+
+#include "kernel/math/outward.h"
 
 namespace lapidary {
 
@@ -17,14 +17,6 @@ constexpr std::size_t bin_count = 16;
 constexpr std::size_t few = 8;              // so few items are sorted, and every cut between them is tried
 constexpr std::size_t worth_a_task = 4096;  // items
 constexpr int depth_limit = 100;            // the traversal's stack holds 128 entries; beyond it, cut in the middle
-
-// The next float up or down, for finite ones.
-float above(float v) {
-    if (v == 0) return std::numeric_limits<float>::denorm_min();
-    const auto bits = std::bit_cast<std::int32_t>(v);
-    return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
-}
-float below(float v) { return -above(-v); }
 
 struct Box {
     std::array<float, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
@@ -52,9 +44,9 @@ struct Entry {
 
 Entry make_entry(const Bounds& bounds, const Point& anchor, std::int32_t item) {
     const Vector low = bounds.low - anchor, high = bounds.high - anchor;
-    const auto down = [](double v) { return below(static_cast<float>(v)); };
-    const auto up = [](double v) { return above(static_cast<float>(v)); };
-    return {{{down(low.x), down(low.y), down(low.z)}, {up(high.x), up(high.y), up(high.z)}}, item};
+    return {{{float_below(low.x), float_below(low.y), float_below(low.z)},
+             {float_above(high.x), float_above(high.y), float_above(high.z)}},
+            item};
 }
 
 // What a number of entries take up: their boxes, and the middles of these, doubled.
@@ -158,11 +150,11 @@ std::array<Extent, 2> cut(std::span<Entry> entries, const Extent& extent, int de
 
 // A float box of a node, padded by what 1e-6 of its size is.
 void set_box(Hierarchy::Node& node, std::size_t child, const Box& box) {
-    float size = 0;
-    for (std::size_t i = 0; i < 3; ++i) size = std::max(size, box.high[i] - box.low[i]);
+    double size = 0;
+    for (std::size_t i = 0; i < 3; ++i) size = std::max<double>(size, box.high[i] - box.low[i]);
     for (std::size_t i = 0; i < 3; ++i) {
-        node.low[child][i] = below(box.low[i] - 1e-6f * size);
-        node.high[child][i] = above(box.high[i] + 1e-6f * size);
+        node.low[child][i] = float_below(box.low[i] - 1e-6 * size);
+        node.high[child][i] = float_above(box.high[i] + 1e-6 * size);
     }
 }
 
