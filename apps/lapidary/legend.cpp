@@ -17,7 +17,9 @@ std::string describe(const Plugin* plugin, const char* otherwise, const Place& p
     return is_included ? text + " of " + place.file->name : text;
 }
 
-std::string describe(const Leaf& leaf) { return leaf.name ? *leaf.name : describe(leaf.source->plugin, "object", leaf.place); }
+std::string describe(const Leaf& leaf) {
+    return leaf.name ? *leaf.name : describe(leaf.source->plugin, "object", leaf.source->place);
+}
 
 std::string describe(const MaterialInstance& instance) {
     const SceneMaterial* material = instance.source;

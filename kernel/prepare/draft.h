@@ -15,11 +15,11 @@ namespace lapidary {
 // distributed subtrahend and the clip of a sheet stand in several places.
 struct Draft {
     Operation operation = Operation::leaf;
+    std::int32_t leaf = -1;    // of a leaf: its index in the list of all that are drafted
+    std::int32_t medium = -1;  // of a merge with a material of its own
     std::vector<std::shared_ptr<Draft>> operands;
-    Leaf leaf;
     Bounds box;
     std::optional<double> priority;
-    std::int32_t medium = -1;  // of a merge with a material of its own
     std::size_t leaf_count = 1;
     std::size_t depth = 1;  // of the tree, in nodes
 

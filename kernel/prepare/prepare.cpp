@@ -73,76 +73,98 @@ private:
         bool cuts = false;                      // below the right operand of a subtraction or an intersection
     };
 
-    Surroundings enter_node(const SceneNode& node, const Surroundings& around) {
-        Surroundings here = around;
+    Surroundings enter_node(const SceneNode& node, Surroundings here) {
         if (!node.name.empty()) here.name = &node.name;
-        if (!node.factors.empty()) here.to_world = node.transform.then(around.to_world);
+        if (!node.factors.empty()) here.to_world = node.transform.then(here.to_world);
         if (node.material) here.medium = here.appearance = place_material(*node.material, here.to_world);
         return here;
     }
 
-    // A node whose operands are being drafted.
+    // The sheets below one of the operands of a node.
+    struct OperandSheets {
+        std::size_t operand = 0;
+        std::vector<SheetDraft> sheets;
+    };
+
+    // An operation whose operands are being drafted.
     struct Visit {
         const SceneNode* node = nullptr;
         Surroundings here;
-        std::vector<DraftPtr> operands;                    // drafted so far; null where empty
-        std::vector<std::vector<SheetDraft>> of_operands;  // the sheets below each of them
-        std::vector<SheetDraft> sheets;                    // those that are left, clipped
-        std::int32_t leftmost_medium = 0;                  // of the leaf written first, whether it is out of reach or not
+        std::vector<DraftPtr> operands;  // drafted so far; null where empty
+        std::vector<OperandSheets> sheets;
+        std::int32_t leftmost_medium = 0;  // of the leaf written first, whether it is out of reach or not
+
+        Visit(const SceneNode& visited, Surroundings inside) : node(&visited), here(std::move(inside)) {
+            operands.reserve(visited.operands.size());
+        }
     };
 
-    // The whole tree, depth first with a stack of its own: names can chain nodes a hundred thousand deep. Null where it is
-    // empty. Sheets are clipped by what they meet on the way up.
+    // What has become of a node: its solid, null where it is empty, and the sheets that are left, clipped.
+    struct Drafted {
+        DraftPtr draft;
+        std::vector<SheetDraft> sheets;
+        std::int32_t leftmost_medium = 0;
+    };
+
+    // The whole tree, depth first with a stack of its own: names can chain nodes a hundred thousand deep.
     DraftPtr draft_tree(const SceneNode& root) {
+        if (root.operation == Operation::leaf) return finish(draft_leaf(root, enter_node(root, {})));
         std::vector<Visit> stack;
-        stack.push_back(visit(root, Surroundings{}));
+        stack.emplace_back(root, enter_node(root, {}));
         for (;;) {
-            const SceneNode& node = *stack.back().node;
-            if (const std::size_t next = stack.back().operands.size(); next < node.operands.size()) {
-                Surroundings inner = stack.back().here;
-                const bool right_cuts = node.operation == Operation::subtraction || node.operation == Operation::intersection;
-                if (right_cuts && next > 0) inner.cuts = true, inner.appearance = no_material;
-                stack.push_back(visit(*node.operands[next], inner));
+            Visit& visit = stack.back();
+            if (visit.operands.size() == visit.node->operands.size()) {
+                Drafted drafted = combine_operands(visit);
+                stack.pop_back();
+                if (stack.empty()) return finish(std::move(drafted));
+                take(stack.back(), std::move(drafted));
                 continue;
             }
-            Visit done = std::move(stack.back());
-            stack.pop_back();
-            DraftPtr draft = finish(done);
-            if (stack.empty()) {
-                sheets_ = std::move(done.sheets);
-                return draft;
-            }
-            if (stack.back().operands.empty()) stack.back().leftmost_medium = done.leftmost_medium;
-            stack.back().operands.push_back(std::move(draft));
-            stack.back().of_operands.push_back(std::move(done.sheets));
+            const SceneNode& next = *visit.node->operands[visit.operands.size()];
+            Surroundings here = enter_node(next, around_operand(visit));
+            if (next.operation == Operation::leaf)
+                take(visit, draft_leaf(next, here));
+            else
+                stack.emplace_back(next, std::move(here));
         }
     }
 
-    Visit visit(const SceneNode& node, const Surroundings& around) {
-        Visit visit;
-        visit.node = &node;
-        visit.here = enter_node(node, around);
-        return visit;
+    DraftPtr finish(Drafted root) {
+        sheets_ = std::move(root.sheets);
+        return std::move(root.draft);
     }
 
-    DraftPtr finish(Visit& done) {
-        const SceneNode& node = *done.node;
-        if (node.operation == Operation::leaf) {
-            done.leftmost_medium = std::max(done.here.medium, 0);
-            return draft_leaf(node, done.here, done.sheets);
-        }
-        for (std::size_t i = 0; i < done.operands.size(); ++i)
-            clip_sheets(node.operation, i, done.operands, done.of_operands[i], done.sheets);
+    // What the next operand of a node finds around itself.
+    static Surroundings around_operand(const Visit& visit) {
+        Surroundings around = visit.here;
+        const Operation operation = visit.node->operation;
+        const bool right_cuts = operation == Operation::subtraction || operation == Operation::intersection;
+        if (right_cuts && !visit.operands.empty()) around.cuts = true, around.appearance = no_material;
+        return around;
+    }
+
+    static void take(Visit& visit, Drafted operand) {
+        if (visit.operands.empty()) visit.leftmost_medium = operand.leftmost_medium;
+        if (!operand.sheets.empty()) visit.sheets.push_back({visit.operands.size(), std::move(operand.sheets)});
+        visit.operands.push_back(std::move(operand.draft));
+    }
+
+    Drafted combine_operands(Visit& visit) {
+        const SceneNode& node = *visit.node;
+        Drafted drafted;
+        for (OperandSheets& below : visit.sheets)
+            clip_sheets(node.operation, below.operand, visit.operands, below.sheets, drafted.sheets);
+        drafted.leftmost_medium = visit.leftmost_medium;
         // A merge is of one medium: its own, else that of what stands leftmost in it.
         std::int32_t medium = no_material;
-        if (node.operation == Operation::merge) medium = node.material ? done.here.medium : done.leftmost_medium;
-        return combine(node.operation, std::move(done.operands), node.priority, medium);
+        if (node.operation == Operation::merge) medium = node.material ? visit.here.medium : visit.leftmost_medium;
+        drafted.draft = combine(node.operation, std::move(visit.operands), node.priority, medium);
+        return drafted;
     }
 
-    DraftPtr draft_leaf(const SceneNode& node, const Surroundings& here, std::vector<SheetDraft>& sheets) {
-        auto draft = std::make_shared<Draft>();
-        Leaf& leaf = draft->leaf;
-        leaf.object = node.object;
+    Drafted draft_leaf(const SceneNode& node, const Surroundings& here) {
+        Leaf leaf;
+        leaf.object = node.object.get();
         leaf.placement = Transform(here.to_world);
         leaf.medium = std::max(here.medium, 0);
         leaf.appearance = here.appearance != no_material ? here.appearance : here.cuts ? no_material : leaf.medium;
@@ -150,18 +172,21 @@ private:
         leaf.number = ++leaf_number_;
         leaf.source = &node;
         leaf.name = here.name;
-        leaf.place = node.place;
         leaf.box = padded_box(leaf);
-        draft->box = leaf.box;
         world_.most_spans = std::max(world_.most_spans, leaf.object->max_spans());
+
+        Drafted drafted;
+        drafted.leftmost_medium = leaf.medium;
         if (leaf.object->is_sheet()) {
-            SheetDraft sheet;
-            sheet.leaf = leaf;
-            sheet.leaf.appearance = leaf.medium;
-            sheets.push_back(std::move(sheet));
-            return nullptr;
+            leaf.appearance = leaf.medium;
+            drafted.sheets.push_back({std::move(leaf), {}});
+            return drafted;
         }
-        return draft;
+        drafted.draft = std::make_shared<Draft>();
+        drafted.draft->leaf = static_cast<std::int32_t>(leaves_.size());
+        drafted.draft->box = leaf.box;
+        leaves_.push_back(std::move(leaf));
+        return drafted;
     }
 
     // A sheet has no inside: it takes part in no operation, but is seen only where the operands beside it let it be.
@@ -170,7 +195,7 @@ private:
         for (SheetDraft& sheet : from) {
             if (operation == Operation::subtraction && own > 0) {
                 messages_.warning(
-                    sheet.leaf.place,
+                    sheet.leaf.source->place,
                     "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
                 continue;
             }
@@ -207,8 +232,15 @@ private:
     }
 
     void emit_everything() {
+        std::size_t leaf_count = sheets_.size();
+        for (const DraftPtr& draft : solids_) leaf_count += draft->leaf_count;
+        world_.leaves.reserve(leaf_count);
+        world_.solids.reserve(solids_.size());
         for (const DraftPtr& draft : solids_) world_.solids.push_back(emit_solid(*draft));
         for (SheetDraft& draft : sheets_) emit_sheet(draft);
+        solids_ = {};
+        sheets_ = {};
+        leaves_ = {};
     }
 
     void emit_sheet(SheetDraft& draft) {
@@ -295,7 +327,7 @@ private:
         node.priority = draft.priority.value_or(0);
         if (draft.operation == Operation::leaf) {
             node.first = static_cast<std::int32_t>(world_.leaves.size());
-            world_.leaves.push_back(draft.leaf);
+            world_.leaves.push_back(leaves_[draft.leaf]);
         } else {
             node.first = static_cast<std::int32_t>(world_.children.size());
             node.count = static_cast<std::int32_t>(operands.size());
@@ -317,7 +349,9 @@ private:
     }
 
     void find_product_form(Solid& solid) {
-        std::vector<std::int32_t> positive, negative;
+        std::vector<std::int32_t>&positive = positive_, &negative = negative_;
+        positive.clear();
+        negative.clear();
         const Node& root = world_.nodes[solid.root];
         const std::span<const std::int32_t> operands(world_.children.data() + root.first, static_cast<std::size_t>(root.count));
         bool fits = false;
@@ -373,6 +407,8 @@ private:
     void build_hierarchy() {
         std::vector<Bounds> boxes;
         std::vector<std::int32_t> items;
+        boxes.reserve(world_.solids.size());
+        items.reserve(world_.solids.size());
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
             const Bounds& box = world_.solids[i].box;
             if (fits_hierarchy(box)) {
@@ -395,8 +431,10 @@ private:
     const Scene& scene_;
     World& world_;
     Messages& messages_;
+    std::vector<Leaf> leaves_;  // as drafted; in the World they stand solid by solid
     std::vector<DraftPtr> solids_;
     std::vector<SheetDraft> sheets_;
+    std::vector<std::int32_t> positive_, negative_;  // of the solid that is looked at
     std::unordered_map<const SceneMaterial*, std::int32_t> uniform_;
     std::int32_t leaf_number_ = 0, material_number_ = 1;
 };

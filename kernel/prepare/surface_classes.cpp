@@ -110,7 +110,7 @@ PlacedSurface place_whole(const Leaf& leaf) {
     placed.kind = PlacedSurface::Kind::whole;
     placed.centre = leaf.placement.centre();
     placed.form = leaf.placement.inverse_linear();
-    placed.object = leaf.object.get();
+    placed.object = leaf.object;
     return placed;
 }
 
@@ -220,7 +220,7 @@ private:
         if (size > 16 * tolerance) return;
         is_far_ = true;
         messages_.warning(
-            leaf.place,
+            leaf.source->place,
             fmt::format("this object of size {:.2g} stands where numbers are {:.2g} apart, and faces within {:.2g} count as "
                         "one; move the scene nearer to the origin",
                         size, std::nextafter(far, infinity) - far, tolerance));
@@ -280,10 +280,10 @@ private:
         // Far from the origin the tolerance is large; what is not near for the size of the objects is meant.
         if (apart > 1e-3 * std::min(length(leaf.box.diagonal()), length(other.box.diagonal()))) return;
         messages_.warning(
-            leaf.place,
+            leaf.source->place,
             fmt::format("a face of this object is {:.1g} away from a face of the one at line {}; is that meant? They are "
                         "rendered as they are, with the gap",
-                        apart, other.place.line));
+                        apart, other.source->place.line));
     }
 
     // Leaves that share a face with another one that they touch get all their faces as classes; others none.

@@ -50,11 +50,11 @@ struct SurfaceClass {
 };
 
 struct Leaf {
-    std::shared_ptr<const Object> object;
-    Transform placement;           // from the object's space to the world
-    Bounds box;                    // in the world, padded by rounding
-    std::int32_t appearance = -1;  // material that its faces show; -1: the innards of what it cuts
-    std::int32_t medium = 0;       // material of its inside
+    const Object* object = nullptr;  // of the scene, which the World keeps alive
+    Transform placement;             // from the object's space to the world
+    Bounds box;                      // in the world, padded by rounding
+    std::int32_t appearance = -1;    // material that its faces show; -1: the innards of what it cuts
+    std::int32_t medium = 0;         // material of its inside
     double priority = 0;
     std::int32_t first_surface = -1;  // in World::surface_uses; -1: no face is shared
     std::int32_t surface_count = 0;
@@ -62,7 +62,6 @@ struct Leaf {
     std::int32_t number = 0;                      // of the object for the `object` layer, from 1 in the order of writing
     const SceneNode* source = nullptr;            // as written
     const std::string* name = nullptr;            // its own, else of the innermost block around it that has one; null: none
-    Place place;
 };
 
 struct Node {
