@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -33,7 +34,7 @@ struct PlacedSurface {
     const Object* object = nullptr;
 
     std::int32_t leaf = -1, face = 0;
-    double key = 0;  // of the sweep: equal surfaces have nearly equal keys
+    double key = 0;
     std::int32_t surface_class = -1;
     bool flipped = false;
 };
@@ -67,14 +68,30 @@ double largest_difference(const Matrix3& a, const Matrix3& b) {
 
 Vector rounded(const TwoPartVector& v) { return v.hi + v.lo; }
 
+PlacedSurface::Kind kind_of(const Surface& surface) {
+    switch (surface.kind) {
+        case Surface::Kind::plane:
+            return PlacedSurface::Kind::plane;
+        case Surface::Kind::sphere:
+            return PlacedSurface::Kind::sphere;
+        case Surface::Kind::cylinder:
+            return PlacedSurface::Kind::cylinder;
+        case Surface::Kind::cone:
+            return PlacedSurface::Kind::cone;
+        case Surface::Kind::torus:
+            return PlacedSurface::Kind::torus;
+    }
+    return PlacedSurface::Kind::whole;
+}
+
 PlacedSurface place(const Leaf& leaf, const Surface& surface) {
     PlacedSurface placed;
+    placed.kind = kind_of(surface);
     const Transform& placement = leaf.placement;
     const Matrix3& inverse = placement.inverse_linear();
     placed.centre = placement.centre();
     switch (surface.kind) {
         case Surface::Kind::plane: {
-            placed.kind = PlacedSurface::Kind::plane;
             const Vector normal = to_vector(placement.to_parent(Normal(surface.a, surface.b, surface.c)));
             const double size = length(normal);
             placed.normal = normal / size;
@@ -82,21 +99,17 @@ PlacedSurface place(const Leaf& leaf, const Surface& surface) {
             break;
         }
         case Surface::Kind::sphere:
-            placed.kind = PlacedSurface::Kind::sphere;
             placed.form = quadratic_form(inverse, {1, 1, 1}, surface.a * surface.a);
             break;
         case Surface::Kind::cylinder:
-            placed.kind = PlacedSurface::Kind::cylinder;
             placed.form = quadratic_form(inverse, {1, 0, 1}, surface.a * surface.a);
             break;
         case Surface::Kind::cone:
-            placed.kind = PlacedSurface::Kind::cone;
             placed.centre = placement.to_parent_two_part(Point{0, surface.b, 0});
             placed.form = quadratic_form(inverse, {1, -surface.a * surface.a, 1}, 1);
             placed.form = quadratic_form(inverse, {1, -surface.a * surface.a, 1}, largest_entry(placed.form));
             break;
         case Surface::Kind::torus:
-            placed.kind = PlacedSurface::Kind::torus;
             placed.form = quadratic_form(inverse, {1, 0, 1}, surface.a * surface.a);
             placed.axis_form = quadratic_form(inverse, {0, 1, 0}, surface.a * surface.a);
             placed.ratio = surface.b / surface.a;
@@ -181,6 +194,60 @@ double sweep_key(const PlacedSurface& s, const Point& probe) {
     }
 }
 
+// The same without the forms, where most scenes spend their time.
+double sweep_key(const Leaf& leaf, const Surface& surface, const Point& probe) {
+    if (surface.kind != Surface::Kind::sphere) return sweep_key(place(leaf, surface), probe);
+    const Vector from_centre = to_vector(leaf.placement.to_local(probe));
+    return std::log2(dot(from_centre, from_centre) / (surface.a * surface.a));
+}
+
+// The surfaces by which an object is compared with others. A sheet bounds nothing, but may lie in a face: its one plane takes
+// part.
+Surfaces compared_surfaces(const Object& object) {
+    Surfaces surfaces = object.surfaces();
+    if (object.is_sheet() && !surfaces.empty()) surfaces.resize(1);
+    return surfaces;
+}
+
+bool is_compared_as_a_whole(const Object& object, const Surfaces& surfaces) {
+    return surfaces.empty() && !object.is_sheet() && object.max_spans() <= 2;
+}
+
+// A face and where it stands in the sweep: equal surfaces have nearly equal keys.
+struct SweptFace {
+    double key = 0;
+    std::int32_t leaf = -1, face = 0;
+    PlacedSurface::Kind kind = PlacedSurface::Kind::plane;
+};
+
+// Which faces have others of nearly the same key: a table of how many keys fall into each slot, of which a window covers two at
+// most. Few slots are shared by accident.
+class KeyTable {
+public:
+    KeyTable(std::size_t count, double plane_window, double window) : plane_window_(plane_window), window_(window) {
+        counts_.resize(std::bit_ceil(16 * count));
+    }
+    void add(const SweptFace& face) {
+        std::uint8_t& count = counts_[slot(face, 0)];
+        if (count < 2) ++count;
+    }
+    bool has_neighbours(const SweptFace& face) const {
+        return counts_[slot(face, 0)] > 1 || counts_[slot(face, -1)] > 0 || counts_[slot(face, 1)] > 0;
+    }
+
+private:
+    std::size_t slot(const SweptFace& face, double offset) const {
+        const double window = face.kind == PlacedSurface::Kind::plane ? plane_window_ : window_;
+        const double step = std::floor(face.key / (2 * window)) + offset;
+        const std::uint64_t hash =
+            (std::bit_cast<std::uint64_t>(step) + static_cast<std::uint64_t>(face.kind)) * 0x9E3779B97F4A7C15;
+        return (hash ^ hash >> 32) & (counts_.size() - 1);
+    }
+
+    double plane_window_, window_;
+    std::vector<std::uint8_t> counts_;
+};
+
 class Recogniser {
 public:
     Recogniser(World& world, Messages& messages) : world_(world), messages_(messages) {}
@@ -189,26 +256,25 @@ public:
         scene_ = region_of_interest(world_);
         // Goes with the scene's size: the same scene at another scale gets the same classes, and the same representatives.
         probe_ = scene_.centre() + length(scene_.diagonal()) * Vector{0.7310, 0.6173, 0.9137};
+        plane_window_ = 4000 * coincidence_tolerance(largest_coordinate(scene_), length(scene_.diagonal()));
         gather();
         classify();
         assign();
     }
 
 private:
+    // The faces that may be on one surface with others. Most have no other of nearly the same key, and are done with.
     void gather() {
+        std::vector<SweptFace> faces;
+        faces.reserve(world_.leaves.size());
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
-            const Leaf& leaf = world_.leaves[i];
-            warn_of_distance(leaf);
-            Surfaces surfaces = leaf.object->surfaces();
-            if (leaf.object->is_sheet()) {
-                // A sheet bounds nothing, but may lie in a face: its one plane takes part.
-                if (surfaces.empty()) continue;
-                surfaces.resize(1);
-            }
-            if (surfaces.empty() && leaf.object->max_spans() <= 2) add(place_whole(leaf), static_cast<std::int32_t>(i), 0);
-            for (std::size_t face = 0; face < surfaces.size(); ++face)
-                add(place(leaf, surfaces[face]), static_cast<std::int32_t>(i), static_cast<std::int32_t>(face));
+            warn_of_distance(world_.leaves[i]);
+            add_faces(static_cast<std::int32_t>(i), faces);
         }
+        KeyTable table(faces.size(), plane_window_, window_);
+        for (const SweptFace& face : faces) table.add(face);
+        for (const SweptFace& face : faces)
+            if (table.has_neighbours(face)) surfaces_.push_back(place_face(face));
     }
 
     // Once: what stands so far out that its faces cannot be told from one another.
@@ -226,12 +292,26 @@ private:
                         size, std::nextafter(far, infinity) - far, tolerance));
     }
 
-    void add(PlacedSurface surface, std::int32_t leaf, std::int32_t face) {
-        surface.leaf = leaf;
-        surface.face = face;
-        surface.key = sweep_key(surface, probe_);
-        if (!std::isfinite(surface.key)) surface.key = 0;
-        surfaces_.push_back(surface);
+    void add_faces(std::int32_t index, std::vector<SweptFace>& faces) const {
+        const Leaf& leaf = world_.leaves[index];
+        const Surfaces surfaces = compared_surfaces(*leaf.object);
+        const auto add = [&](double key, std::size_t face, PlacedSurface::Kind kind) {
+            faces.push_back({std::isfinite(key) ? key : 0, index, static_cast<std::int32_t>(face), kind});
+        };
+        for (std::size_t face = 0; face < surfaces.size(); ++face)
+            add(sweep_key(leaf, surfaces[face], probe_), face, kind_of(surfaces[face]));
+        if (is_compared_as_a_whole(*leaf.object, surfaces))
+            add(sweep_key(place_whole(leaf), probe_), 0, PlacedSurface::Kind::whole);
+    }
+
+    PlacedSurface place_face(const SweptFace& face) const {
+        const Leaf& leaf = world_.leaves[face.leaf];
+        const bool whole = face.kind == PlacedSurface::Kind::whole;
+        PlacedSurface placed = whole ? place_whole(leaf) : place(leaf, leaf.object->surfaces()[face.face]);
+        placed.leaf = face.leaf;
+        placed.face = face.face;
+        placed.key = face.key;
+        return placed;
     }
 
     // A sweep over the keys: each surface is compared with the representatives just below it, never with other members, so
@@ -243,11 +323,10 @@ private:
             const PlacedSurface &x = surfaces_[a], &y = surfaces_[b];
             return std::tie(x.kind, x.key, x.leaf, x.face) < std::tie(y.kind, y.key, y.leaf, y.face);
         });
-        const double plane_window = 4000 * coincidence_tolerance(largest_coordinate(scene_), length(scene_.diagonal()));
         std::deque<std::int32_t> representatives;
         for (std::int32_t index : order) {
             PlacedSurface& surface = surfaces_[index];
-            const double window = surface.kind == PlacedSurface::Kind::plane ? plane_window : 1e-8;
+            const double window = surface.kind == PlacedSurface::Kind::plane ? plane_window_ : window_;
             while (!representatives.empty()) {
                 const PlacedSurface& oldest = surfaces_[representatives.front()];
                 if (oldest.kind == surface.kind && surface.key - oldest.key <= window) break;
@@ -288,34 +367,52 @@ private:
 
     // Leaves that share a face with another one that they touch get all their faces as classes; others none.
     void assign() {
-        std::vector<std::vector<std::int32_t>> members(surfaces_.size());
-        for (std::size_t i = 0; i < surfaces_.size(); ++i)
-            members[surfaces_[i].surface_class].push_back(static_cast<std::int32_t>(i));
-        std::vector<bool> shared(world_.leaves.size(), false);
-        for (const auto& list : members) mark_touching(list, shared);
-
+        const std::vector<bool> shares = find_leaves_that_share();
         std::vector<std::int32_t> class_of(surfaces_.size(), -1);
-        for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-            const PlacedSurface& surface = surfaces_[i];
-            Leaf& leaf = world_.leaves[surface.leaf];
-            if (!shared[surface.leaf]) continue;
+        std::size_t next = 0;  // of the surfaces, which stand in the order of the leaves and their faces
+        for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
+            if (!shares[i]) continue;
             world_.features.shared_surfaces = true;
-            if (surface.face == 0) leaf.first_surface = static_cast<std::int32_t>(world_.surface_uses.size());
-            ++leaf.surface_count;
-            std::int32_t& number = class_of[surface.surface_class];
-            if (number < 0) {
-                number = static_cast<std::int32_t>(world_.surface_classes.size());
-                const PlacedSurface& representative = surfaces_[surface.surface_class];
-                const Surfaces faces = world_.leaves[representative.leaf].object->surfaces();
-                SurfaceClass surface_class{representative.leaf, {}, faces.empty()};
-                if (!faces.empty()) surface_class.surface = faces[representative.face];
-                world_.surface_classes.push_back(surface_class);
+            const auto index = static_cast<std::int32_t>(i);
+            Leaf& leaf = world_.leaves[i];
+            leaf.first_surface = static_cast<std::int32_t>(world_.surface_uses.size());
+            leaf.surface_count = std::max(1, static_cast<std::int32_t>(compared_surfaces(*leaf.object).size()));
+            while (surfaces_[next].leaf < index) ++next;
+            for (std::int32_t face = 0; face < leaf.surface_count; ++face) {
+                const bool has_neighbours =
+                    next < surfaces_.size() && surfaces_[next].leaf == index && surfaces_[next].face == face;
+                world_.surface_uses.push_back(has_neighbours ? use_of(surfaces_[next++], class_of)
+                                                             : SurfaceUse{add_class(index, face), false});
             }
-            world_.surface_uses.push_back({number, surface.flipped});
         }
     }
 
-    void mark_touching(const std::vector<std::int32_t>& list, std::vector<bool>& shared) const {
+    std::vector<bool> find_leaves_that_share() const {
+        std::vector<bool> shares(world_.leaves.size(), false);
+        std::vector<std::vector<std::int32_t>> members(surfaces_.size());
+        for (std::size_t i = 0; i < surfaces_.size(); ++i)
+            members[surfaces_[i].surface_class].push_back(static_cast<std::int32_t>(i));
+        for (const auto& list : members) mark_touching(list, shares);
+        return shares;
+    }
+
+    SurfaceUse use_of(const PlacedSurface& surface, std::vector<std::int32_t>& class_of) {
+        std::int32_t& number = class_of[surface.surface_class];
+        const PlacedSurface& representative = surfaces_[surface.surface_class];
+        if (number < 0) number = add_class(representative.leaf, representative.face);
+        return {number, surface.flipped};
+    }
+
+    // The new class's number.
+    std::int32_t add_class(std::int32_t leaf, std::int32_t face) {
+        const Surfaces surfaces = world_.leaves[leaf].object->surfaces();
+        SurfaceClass surface_class{leaf, {}, surfaces.empty()};
+        if (!surfaces.empty()) surface_class.surface = surfaces[face];
+        world_.surface_classes.push_back(surface_class);
+        return static_cast<std::int32_t>(world_.surface_classes.size()) - 1;
+    }
+
+    void mark_touching(const std::vector<std::int32_t>& list, std::vector<bool>& shares) const {
         constexpr std::size_t worth_comparing = 32;
         if (list.size() < 2) return;
         for (std::int32_t a : list) {
@@ -323,7 +420,7 @@ private:
             const auto touches = [&](std::int32_t b) {
                 return surfaces_[b].leaf != leaf && world_.leaves[leaf].box.overlaps(world_.leaves[surfaces_[b].leaf].box);
             };
-            if (list.size() > worth_comparing || std::any_of(list.begin(), list.end(), touches)) shared[leaf] = true;
+            if (list.size() > worth_comparing || std::any_of(list.begin(), list.end(), touches)) shares[leaf] = true;
         }
     }
 
@@ -332,6 +429,8 @@ private:
     bool is_far_ = false;  // and that was told
     Bounds scene_;
     Point probe_;
+    double plane_window_ = 0;                // how far apart the keys of equal planes may be
+    static constexpr double window_ = 1e-8;  // of other surfaces
     std::vector<PlacedSurface> surfaces_;
 };
 
