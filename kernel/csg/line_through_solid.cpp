@@ -395,6 +395,7 @@ FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
 
     // The frame in which the position was computed: the leaf's own, or that of the representative of its face's class.
     std::int32_t frame = index;
+    bool has_equation = !world_.faces_of(leaf).empty();
     for (std::int32_t i = 0; i < leaf.surface_count && hit.surface_class < 0; ++i) {
         const SurfaceUse& use = world_.surface_uses[leaf.first_surface + i];
         std::array<Span, most_surface_spans> of_surface;
@@ -404,22 +405,28 @@ FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {
             hit.surface_class = use.surface_class;
             hit.class_flipped = use.flipped;
             frame = world_.surface_classes[use.surface_class].leaf;
+            has_equation = !world_.surface_classes[use.surface_class].whole;
         }
     }
 
-    // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
     const Transform& placement = world_.leaves[frame].placement;
     const PlacedLine& placed = placed_line(frame);
-    double local_t = t - placed.anchor;
-    if (hit.surface_class < 0) {
-        const int count = leaf.object->spans(placed.line, scratch_.data());
-        for (int i = 0; i < count; ++i)
-            for (double end : {scratch_[i].in, scratch_[i].out})
-                if (placed.anchor + end == t) local_t = end;
+    if (has_equation && is_near_root(t, placed.anchor)) {
+        hit.point = point_along(ray_.origin, t, ray_.direction);
+        hit.local = leaf.placement.to_local(hit.point);
+    } else {
+        // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
+        double local_t = t - placed.anchor;
+        if (hit.surface_class < 0) {
+            const int count = leaf.object->spans(placed.line, scratch_.data());
+            for (int i = 0; i < count; ++i)
+                for (double end : {scratch_[i].in, scratch_[i].out})
+                    if (placed.anchor + end == t) local_t = end;
+        }
+        const Point in_frame = placed.line.at(local_t);
+        hit.point = placement.to_parent_two_part(in_frame);
+        hit.local = frame == index ? in_frame : leaf.placement.to_local(hit.point);
     }
-    const Point in_frame = placed.line.at(local_t);
-    hit.point = placement.to_parent_two_part(in_frame);
-    hit.local = frame == index ? in_frame : leaf.placement.to_local(hit.point);
     if (hit.surface_class < 0) hit.face = leaf.object->face(hit.local);
     hit.normal = normalize(leaf.placement.to_parent(leaf.object->normal({hit.local, hit.face})));
     return hit;

@@ -10,6 +10,8 @@
 //
 // evaluated in two-part arithmetic at a point that is taken into the surface's space in two parts, too. The slope only steers and
 // is an ordinary double: what the iteration comes to rest at is decided by f alone, to about u^2 |anchor| / cos of the angle.
+//
+// The place met is then o + t d, from the ray's own origin: from the point closest to the centre it would be off by u |anchor|.
 #pragma once
 
 #include <cmath>

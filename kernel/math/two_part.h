@@ -79,6 +79,17 @@ struct TwoPartPoint {
     Point rounded() const { return anchor + offset; }
 };
 
+// from + t v. Its anchor is what one double for each coordinate holds best, its offset the rest, to about u^2 |from|.
+inline TwoPartPoint point_along(const TwoPartPoint& from, double t, const Vector& v) {
+    const auto along = [t](double anchor, double offset, double component) {
+        return two_sum(anchor, offset) + two_product(t, component);
+    };
+    const TwoPart x = along(from.anchor.x, from.offset.x, v.x);
+    const TwoPart y = along(from.anchor.y, from.offset.y, v.y);
+    const TwoPart z = along(from.anchor.z, from.offset.z, v.z);
+    return {{x.hi, y.hi, z.hi}, {x.lo, y.lo, z.lo}};
+}
+
 // a - b, exact in its first part and with what was lost in its second.
 struct TwoPartVector {
     Vector hi, lo;

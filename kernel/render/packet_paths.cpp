@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kernel/csg/near_root.h"
 #include "kernel/csg/placed_lines.h"
 #include "kernel/render/optics.h"
 #include "kernel/render/sampler.h"
@@ -166,6 +167,18 @@ void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lan
         local.y[i] = std::fma(local_t, lines.direction_y[i], lines.closest_y[i]);
         local.z[i] = std::fma(local_t, lines.direction_z[i], lines.closest_z[i]);
     }
+    unsigned near = 0;
+    for (int i = 0; i < width; ++i) near |= static_cast<unsigned>(is_near_root(t[i], placed.anchor[i])) << i;
+    if (leaf.face_count == 0) near = 0;
+    const auto for_near = [near](auto&& act) {
+        for (unsigned rest = near; rest != 0; rest &= rest - 1) act(std::countr_zero(rest));
+    };
+    std::array<TwoPartPoint, width> near_points;
+    for_near([&](int i) {
+        near_points[i] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
+        const Point p = leaf.placement.to_local(near_points[i]);
+        local.x[i] = p.x, local.y[i] = p.y, local.z[i] = p.z;
+    });
     NormalBatch normals;
     leaf.object->normals_batch(local, width, &normals);
 
@@ -173,16 +186,19 @@ void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lan
     const TwoPartPoint& centre = placement.centre();
     for (int i = 0; i < width; ++i) {
         const Vector offset = placement.to_parent(to_vector(local.point(i))) + centre.offset;
+        faces.anchor.set(i, centre.anchor), faces.offset.set(i, offset);
         const Normal outward = normalize(placement.to_parent(Normal(normals.x[i], normals.y[i], normals.z[i])));
         const Vector arriving = rays.direction[i];
         const double sign = dot(outward, arriving) > 0 ? -1 : 1;
-        faces.anchor.set(i, centre.anchor), faces.offset.set(i, offset);
-        faces.points.x[i] = centre.anchor.x + offset.x;
-        faces.points.y[i] = centre.anchor.y + offset.y;
-        faces.points.z[i] = centre.anchor.z + offset.z;
         faces.arriving.set(i, arriving);
         faces.outward.set(i, outward);
         faces.geometric.set(i, Vector{sign * outward.x, sign * outward.y, sign * outward.z});
+    }
+    for_near([&](int i) { faces.anchor.set(i, near_points[i].anchor), faces.offset.set(i, near_points[i].offset); });
+    for (int i = 0; i < width; ++i) {
+        faces.points.x[i] = faces.anchor.x[i] + faces.offset.x[i];
+        faces.points.y[i] = faces.anchor.y[i] + faces.offset.y[i];
+        faces.points.z[i] = faces.anchor.z[i] + faces.offset.z[i];
     }
     faces.shading = faces.geometric;
 }

@@ -2,12 +2,15 @@
 //
 // T05: an eye close to a large surface. The root beside it is found to full relative precision, whatever the surface's size,
 // against 200-bit arithmetic on the same doubles; by single rays and in packets with the same bits.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "stress/exact.h"
 #include "support/measurement.h"
 #include "support/solids.h"
+#include "support/traced_scene.h"
 
 namespace lapidary::test {
 namespace {
@@ -154,6 +157,34 @@ TEST_CASE("T05: a plane that is shared is met beside it as precisely as one that
         const Ray ray = eye_above({random.uniform(-1, 1) * size, size, random.uniform(-0.5, 0.5) * size}, {0, 1, 0}, altitude,
                                   direction, true);
         check_first_end(measured, spans, ray, Exact(altitude) / -Exact(direction.y));
+    }
+}
+
+TEST_CASE("T05: the place met beside a large surface is as precise as the way there is short") {
+    const double radius = GENERATE(1e3, 6371000.0, 1e12);
+    CAPTURE(radius);
+    TracedScene scene(fmt::format("lights {{ ambient {{ }} }} objects {{ sphere {{ radius({}); }} }}", radius));
+    Random random(8);
+    Measurement measured({"T05", "place met beside a ball", "u (t + 16 u R)", 2}),
+        repeated({"T05", "the same in a packet", "", 0});
+    for (int i = 0; i < 2000; ++i) {
+        const Vector up = random.direction();
+        const Point eye = TwoPartPoint(to_point(radius * up), random.magnitude(-6, 0) * up).rounded();
+        const Vector toward = random.direction();
+        const Ray ray = ray_from(eye, dot(toward, up) > 0 ? -toward : toward);
+        if (dot(ray.direction, up) > -0.3) continue;
+        const Exact t = first_ahead(sphere_polynomial(from_centre(ray, {}), ray.direction, radius));
+        if (t > radius / 100) continue;  // the eye was rounded into the ball
+        const TracedRay traced = scene.trace(eye, ray.direction);
+        REQUIRE(traced.events.size() == 1);
+        const TwoPartPoint& met = traced.events[0].point;
+        const ExactVector truth = at(from_centre(ray, {}), ray.direction, t);
+        for (const Exact& off : {Exact(met.anchor.x) + met.offset.x - truth.x, Exact(met.anchor.y) + met.offset.y - truth.y,
+                                 Exact(met.anchor.z) + met.offset.z - truth.z})
+            measured.record(static_cast<double>(off / (t + 16 * u * radius)) / u);
+        const RaySample in_packet = scene.sample(eye, ray.direction);
+        repeated.expect(in_packet.position == traced.sample.position && in_packet.normal == traced.sample.normal &&
+                        in_packet.depth == traced.sample.depth);
     }
 }
 
