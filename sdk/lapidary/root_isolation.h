@@ -12,7 +12,14 @@
 // where the function only touches the end of a range, it ends when K r^2 / 2 is less than rounding makes of f itself: what
 // would cross and cross back within is thinner than the function's values can express, and counts as not crossed.
 // Where a line runs in the very end of a range for a while (noise is 0 all along some edges of its lattice), no halving
-// shows anything; after thousands of them the ends of what is left decide.
+// shows anything; after thousands of them in one step the ends of what is left decide, of whatever is narrower than a
+// thousandth of the step. So f is never lost where it leaves its range and comes back, anywhere in between having gone
+// further than
+//
+//     lost_depth(K, step) = 3 K (step / 2048)^2
+//
+// beyond: an interval that is neither has |f'(m)| <= K r and |f(m)| <= 3/2 K r^2, hence |f| <= 3 K r^2 all over it, where f is
+// measured from the range's end.
 #pragma once
 
 #include <cmath>
@@ -30,6 +37,12 @@ struct Slope {
 template <class Function, class RangeOf>
 class FirstChange {
 public:
+    // How deep f may be in another range for a while, at most, without being found there.
+    static double lost_depth(double curvature, double step) {
+        const double r = step * always_halved;
+        return 3 * curvature * r * r + 2 * rounding;
+    }
+
     FirstChange(const Function& function, double curvature, const RangeOf& range_of)
         : function_(function), curvature_(curvature), range_of_(range_of) {}
 
@@ -39,6 +52,7 @@ public:
         const auto range = range_of_(function_(from).value);
         for (double a = from; a < to;) {
             halvings_left_ = most_halvings;
+            narrow_ = step * always_halved;
             const double b = std::fmin(a + step, to);
             if (!(b > a)) return infinity;  // the step is lost in rounding: the line is too far out
             const double t = find_within(a, b, range);
@@ -53,6 +67,8 @@ private:
     static constexpr double rounding = 0x1p-50;
     // In a step; a simple crossing or a touch takes less than two hundred.
     static constexpr int most_halvings = 4096;
+    // Half of an interval that is halved whatever it cost before, as a part of the step.
+    static constexpr double always_halved = 0x1p-11;
 
     template <class Range>
     double find_within(double a, double b, Range range) {
@@ -63,7 +79,8 @@ private:
         if (range_of_(at_middle.value - reach) == range && range_of_(at_middle.value + reach) == range) return infinity;
 
         const bool monotone = std::fabs(at_middle.slope) > curvature_ * r;
-        if (monotone || bend < rounding || !(a < middle && middle < b) || --halvings_left_ < 0)
+        const bool exhausted = --halvings_left_ < 0 && r <= narrow_;
+        if (monotone || bend < rounding || !(a < middle && middle < b) || exhausted)
             return range_of_(function_(b).value) == range ? infinity : bisect(a, b, range);
 
         const double t = find_within(a, middle, range);
@@ -84,6 +101,7 @@ private:
     double curvature_;
     const RangeOf& range_of_;
     int halvings_left_ = most_halvings;
+    double narrow_ = 0;
 };
 
 }  // namespace lapidary
