@@ -52,7 +52,8 @@ PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& stat
       line_(world, statistics),
       asked_stamp_(static_cast<std::size_t>(world.most_leaves)),
       asked_slot_(static_cast<std::size_t>(world.most_leaves)),
-      asked_(static_cast<std::size_t>(world.most_leaves)) {}
+      asked_(static_cast<std::size_t>(world.most_leaves)),
+      leaf_spans_(world.features.transparency ? static_cast<std::size_t>(world.most_leaves) : 0) {}
 
 void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
@@ -241,11 +242,11 @@ const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
 }
 
 // A leaf's one span in every lane; an empty one ends before it begins.
-void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out) {
+void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces) {
     statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
     const Leaf& leaf = world_.leaves[index];
     if (leaf.first_surface >= 0) {
-        shared_spans(leaf, in, out);
+        shared_spans(leaf, in, out, faces);
         return;
     }
     own_spans(leaf, in, out);
@@ -283,36 +284,17 @@ void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     for (int i = 0; i < width; ++i) in[i] = batch.in[i], out[i] = batch.out[i];
 }
 
-void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+// What the leaf's surfaces have in common.
+void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces) {
     for (int i = 0; i < width; ++i) in[i] = -infinity, out[i] = infinity;
-    for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
-        const SurfaceUse& use = world_.surface_uses[leaf.first_surface + s];
-        const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
-        const Leaf& frame = world_.leaves[surface_class.leaf];
-        const auto departs_from_class = [&use](const Departure& departure) {
-            return departure.surface_class == use.surface_class;
-        };
+    if (faces) faces->in_face.fill(-1), faces->out_face.fill(-1);
+    for (std::int64_t s = 0; s < leaf.surface_count; ++s) {
         Lanes surface_in, surface_out;
-        if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
-            plane_spans(use, frame, surface_class.surface, surface_in, surface_out);
-        } else {
-            if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder) {
-                placed_lines(surface_class.leaf);
-                for (int i = 0; i < width; ++i) {
-                    const Span span = tube_span(placed_.lines.line(i), surface_class.surface.a);
-                    surface_in[i] = span.in, surface_out[i] = span.out;
-                }
-            } else {
-                own_spans(frame, surface_in, surface_out);
-            }
-            for (int i = 0; i < width; ++i) {
-                const bool empty = !(surface_in[i] < surface_out[i]);
-                surface_in[i] = empty ? infinity : placed_.anchor[i] + surface_in[i];
-                surface_out[i] = empty ? -infinity : placed_.anchor[i] + surface_out[i];
-            }
-            if (rays_->departs) remove_departures(surface_in, surface_out, -1, use.surface_class);
-            if (!surface_class.whole)
-                find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, surface_in, surface_out);
+        surface_spans(world_.surface_uses[leaf.first_surface + s], surface_in, surface_out);
+        for (int i = 0; faces && i < width; ++i) {
+            std::int64_t &in_face = faces->in_face[i], &out_face = faces->out_face[i];
+            in_face = surface_in[i] > in[i] ? s : surface_in[i] == in[i] ? -1 : in_face;
+            out_face = surface_out[i] < out[i] ? s : surface_out[i] == out[i] ? -1 : out_face;
         }
         for (int i = 0; i < width; ++i) {
             in[i] = surface_in[i] > in[i] ? surface_in[i] : in[i];
@@ -321,6 +303,32 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     }
     for (int i = 0; i < width; ++i)
         if (!(in[i] < out[i])) in[i] = infinity, out[i] = -infinity;
+}
+
+void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out) {
+    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+    const Leaf& frame = world_.leaves[surface_class.leaf];
+    const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
+    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
+        plane_spans(use, frame, surface_class.surface, in, out);
+        return;
+    }
+    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder) {
+        placed_lines(surface_class.leaf);
+        for (int i = 0; i < width; ++i) {
+            const Span span = tube_span(placed_.lines.line(i), surface_class.surface.a);
+            in[i] = span.in, out[i] = span.out;
+        }
+    } else {
+        own_spans(frame, in, out);
+    }
+    for (int i = 0; i < width; ++i) {
+        const bool empty = !(in[i] < out[i]);
+        in[i] = empty ? infinity : placed_.anchor[i] + in[i];
+        out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
+    }
+    if (rays_->departs) remove_departures(in, out, -1, use.surface_class);
+    if (!surface_class.whole) find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
 }
 
 void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {

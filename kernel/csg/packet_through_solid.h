@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Eight rays at once through one solid of an opaque World: the same answers as LineThroughSolid, bit for bit.
+// Eight rays at once through one solid: the same answers as LineThroughSolid, bit for bit.
 //
 // A solid in product form, inside all of its positive leaves and outside all of its negative ones, is evaluated for all lanes
 // in one go:
@@ -38,6 +38,22 @@ public:
     void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     // The way out of a solid that a lane starts in.
     double leave(const Solid& solid, int lane);
+    // Where the inside of a solid that fits lanes begins or ends first behind the start of every lane, the leaf whose face that
+    // is (-1: not known), and which lanes start in it, as far as their limits are not below 0. Slivers, and what rounding makes
+    // doubtful, are left to the single ray.
+    struct Changes {
+        Lanes t;
+        LeafLanes leaf;
+        LeafLanes face;  // of a leaf that shares faces: which of its surfaces
+        unsigned inside, doubtful;
+    };
+    void next_change(const Solid& solid, const Lanes& limit, Changes& changes);
+    // The same of one lane, for any solid.
+    struct FirstChange {
+        double t;
+        bool inside;
+    };
+    FirstChange next_change_of_single(const Solid& solid, int lane);
     // Where every lane meets a sheet that shares no plane.
     void cross_sheet(std::int32_t leaf, Lanes& t);
 
@@ -62,9 +78,24 @@ private:
     bool any_in_box(const Bounds& box) const;
     bool leave_negative_leaf(std::int32_t slot, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf);
 
+    // The spans of a leaf, and its faces at their ends.
+    struct LeafSpans {
+        Lanes in, out;
+        LeafLanes in_face, out_face;  // of a leaf that shares faces: the surfaces that the ends are on; -1: several
+    };
+
+    // The functions of LineThroughSolid, for all lanes, over the spans of all leaves of a solid that fits lanes.
+    void ask_leaves(const Solid& solid);
+    void enter(std::int32_t node, Lanes& t) const;
+    void leave(std::int32_t node, Lanes& t) const;
+    void hold(std::int32_t node, const Lanes& t, Lanes& held) const;
+    unsigned find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const;
+    void find_changing_leaves(const Solid& solid, Changes& changes) const;
+
     // Empty spans have in > out.
-    void spans(std::int32_t leaf, Lanes& in, Lanes& out);
-    void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out);
+    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr);
+    void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
+    void surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out);
     void own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
@@ -95,6 +126,10 @@ private:
     std::vector<std::int32_t> asked_slot_;
     std::vector<NegativeLeaf> asked_;
     std::size_t asked_count_ = 0;
+
+    // Of the leaves of a solid that fits lanes, from its first leaf on.
+    std::vector<LeafSpans> leaf_spans_;
+    std::int32_t first_leaf_ = 0;
 };
 
 }  // namespace lapidary

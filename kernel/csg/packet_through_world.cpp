@@ -2,8 +2,10 @@
 #include "kernel/csg/packet_through_world.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "kernel/math/outward.h"
 
@@ -269,6 +271,142 @@ unsigned PacketThroughWorld::blocked(std::span<const RayPacket> packets, std::sp
                 if (single_.is_blocked_by(sheet, distances[p][i])) blocked |= bit;
         }
     return blocked;
+}
+
+// ---- transparent Worlds ----------------------------------------------------------------------------------------------
+
+void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::span<ChangePacket> changes) {
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        limits_[p].v.fill(infinity);
+        BoundaryPacket& first = changes[p].first;
+        first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
+        first.starts_inside = 0;
+        changes[p].face.fill(-1);
+        changes[p].unclear = 0;
+        starts_[p].first.fill(-1), starts_[p].second.fill(-1);
+        starts_[p].leaves_first = 0, starts_[p].shared = 0;
+    }
+    start(packets);
+    for_each_solid<Order::near_first>([&](std::size_t p, std::int32_t solid) { change_at_solid(p, solid, changes[p]); });
+    for (std::size_t p = 0; p < packets.size(); ++p) finish_changes(p, changes[p]);
+}
+
+// Whether the first of two solids owns what both hold.
+bool PacketThroughWorld::takes_precedence(std::int32_t solid, std::int32_t other) const {
+    if (solid < 0 || other < 0) return solid >= 0;
+    const Solid &a = world_.solids[solid], &b = world_.solids[other];
+    return a.priority > b.priority || (a.priority == b.priority && solid < other);
+}
+
+// A ray that starts in a solid meets its box at once, whatever its limit: all owners of its first cell are seen.
+void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index, ChangePacket& changes) {
+    const Solid& solid = world_.solids[index];
+    if (!solid.fits_lanes) {
+        change_at_solid_of_single(packet, index, changes);
+        return;
+    }
+    Lanes& limits = limits_[packet];
+    PacketThroughSolid::Changes found;
+    solids_[packet].next_change(solid, limits, found);
+    changes.unclear |= found.doubtful;
+    Starts& starts = starts_[packet];
+    for (unsigned rest = found.inside; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+        std::int32_t behind = index;
+        if (takes_precedence(index, starts.first[lane])) std::swap(behind, starts.first[lane]);
+        if (takes_precedence(behind, starts.second[lane])) starts.second[lane] = behind;
+    }
+
+    unsigned closer = 0, shared = 0;
+    for (int i = 0; i < width; ++i) {
+        const double first = changes.first.t[i], t = found.t[i];
+        const bool is_closer = t < first;
+        closer |= static_cast<unsigned>(is_closer) << i;
+        shared |= static_cast<unsigned>(t == first && t < infinity) << i;
+        changes.first.t[i] = is_closer ? t : first;
+        changes.first.solid[i] = is_closer ? index : changes.first.solid[i];
+        changes.first.leaf[i] = is_closer ? static_cast<std::int32_t>(found.leaf[i]) : changes.first.leaf[i];
+        changes.face[i] = is_closer ? static_cast<std::int32_t>(found.face[i]) : changes.face[i];
+        limits[i] = is_closer ? t : limits[i];
+    }
+    starts.leaves_first = (starts.leaves_first & ~closer) | (found.inside & closer);
+    starts.shared = (starts.shared & ~closer) | shared;
+    if (closer != 0) set_limits(packet);
+}
+
+// Of a solid that does not fit lanes, only where it counts is found: the single ray has to say what it is.
+void PacketThroughWorld::change_at_solid_of_single(std::size_t packet, std::int32_t index, ChangePacket& changes) {
+    Lanes& limits = limits_[packet];
+    for (int i = 0; i < packets_[packet].count; ++i) {
+        if (!(limits[i] >= 0)) continue;
+        const PacketThroughSolid::FirstChange found = solids_[packet].next_change_of_single(world_.solids[index], i);
+        changes.unclear |= static_cast<unsigned>(found.inside) << i;
+        if (!(found.t <= changes.first.t[i]) || found.t == infinity) continue;
+        changes.first.t[i] = limits[i] = found.t;
+        starts_[packet].shared |= 1u << i;
+    }
+    set_limits(packet);
+}
+
+void PacketThroughWorld::finish_changes(std::size_t packet, ChangePacket& changes) {
+    const Starts& starts = starts_[packet];
+    changes.unclear |= starts.shared;
+    for (int i = 0; i < width; ++i) {
+        const auto lane = static_cast<std::size_t>(i);
+        const std::int32_t changing = changes.first.solid[lane], owner = starts.first[lane];
+        const bool leaves = (starts.leaves_first >> i & 1) != 0;
+        std::int32_t after = leaves && changing == owner ? starts.second[lane] : owner;
+        if (!leaves && takes_precedence(changing, owner)) after = changing;
+        changes.before[lane] = owner, changes.after[lane] = after;
+    }
+    if (world_.sheets.empty()) return;
+    meet_sheets(packet, changes.first);
+    for (int i = 0; i < width; ++i) {
+        const auto lane = static_cast<std::size_t>(i);
+        const bool is_sheet = changes.first.leaf[lane] >= 0 && changes.first.solid[lane] < 0;
+        changes.after[lane] = is_sheet ? changes.before[lane] : changes.after[lane];
+    }
+}
+
+// Which rays enter a solid before their limits.
+unsigned PacketThroughWorld::reached(std::size_t packet, std::int32_t index) {
+    const Lanes& limits = limits_[packet];
+    Lanes t;
+    PacketThroughSolid::LeafLanes leaf;
+    solids_[packet].enter(world_.solids[index], limits, t, leaf);
+    unsigned bits = 0;
+    for (int i = 0; i < width; ++i) bits |= static_cast<unsigned>(t[i] < limits[i]) << i;
+    return bits & ((1u << packets_[packet].count) - 1);
+}
+
+// What blocks does so whatever else is on the way, and what is clear changes nothing: no order has to be found out.
+PacketThroughWorld::Shadows PacketThroughWorld::shadows(std::span<const RayPacket> packets, std::span<const Lanes> distances) {
+    for (std::size_t p = 0; p < packets.size(); ++p) limits_[p] = distances[p];
+    start(packets);
+    Shadows shadows;
+    for_each_solid<Order::any>([&](std::size_t p, std::int32_t index) {
+        const Solid::Shadow shadow = world_.solids[index].shadow;
+        if (shadow == Solid::Shadow::clear) return;
+        const unsigned bits = reached(p, index), first = static_cast<unsigned>(p) * width;
+        if (shadow == Solid::Shadow::asked) {
+            shadows.asked |= bits << first;
+            return;
+        }
+        shadows.blocked |= bits << first;
+        for (unsigned rest = bits; rest != 0; rest &= rest - 1) limits_[p][std::countr_zero(rest)] = -1;
+        if (bits != 0) set_limits(p);
+    });
+    // Sheets block, too, but where they lie on other faces these may be met in their place.
+    for (std::size_t p = 0; p < packets.size() && !world_.sheets.empty(); ++p)
+        for (int i = 0; i < packets[p].count; ++i) {
+            const unsigned bit = 1u << (static_cast<int>(p) * width + i);
+            if ((shadows.blocked | shadows.asked) & bit) continue;
+            single_.start(packets[p].ray(i));
+            for (const Sheet& sheet : world_.sheets)
+                if (single_.is_blocked_by(sheet, distances[p][i])) shadows.blocked |= bit;
+        }
+    shadows.asked &= ~shadows.blocked;
+    return shadows;
 }
 
 }  // namespace lapidary

@@ -73,4 +73,12 @@ struct BoundaryPacket {
     unsigned starts_inside;                      // the rays that start in a solid: bit i for ray i
 };
 
+// Where what each ray of a packet is in first changes, and the solids that own the cells before and behind.
+struct ChangePacket {
+    BoundaryPacket first;
+    std::array<std::int32_t, batch_size> face;           // of a leaf that shares faces: which of its surfaces; -1: not known
+    std::array<std::int32_t, batch_size> before, after;  // in World::solids; -1: empty space
+    unsigned unclear;                                    // the rays whose answers are not to be used, but those of the single ray
+};
+
 }  // namespace lapidary

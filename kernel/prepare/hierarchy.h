@@ -48,7 +48,15 @@ public:
     template <class Visit>
     void for_each_at(const Point& point, double slack, Visit visit) const;
 
+    // Calls visit(item) for the items whose boxes overlap another one.
+    template <class Visit>
+    void for_each_overlapping(const Bounds& box, Visit visit) const;
+
 private:
+    // Calls visit(item) for the items whose boxes, and all boxes around them, are such that holds(low, high).
+    template <class Holds, class Visit>
+    void for_each_where(Holds holds, Visit visit) const;
+
     Point anchor_;
     std::vector<Node> nodes_;
 };
@@ -130,10 +138,9 @@ void Hierarchy::for_each_along(const Point& origin, const Vector& direction, dou
          [&] { return limit; }, [&](std::int32_t item) { limit = visit(item); });
 }
 
-template <class Visit>
-void Hierarchy::for_each_at(const Point& point, double slack, Visit visit) const {
+template <class Holds, class Visit>
+void Hierarchy::for_each_where(Holds holds, Visit visit) const {
     if (nodes_.empty()) return;
-    const Vector p = point - anchor_;
     std::array<std::int32_t, 128> stack;
     int size = 0;
     stack[size++] = 0;
@@ -144,13 +151,28 @@ void Hierarchy::for_each_at(const Point& point, double slack, Visit visit) const
             continue;
         }
         const Node& node = nodes_[child];
-        for (int i = 0; i < 2; ++i) {
-            const auto &low = node.low[i], &high = node.high[i];
-            if (node.child[i] != no_child && p.x >= low[0] - slack && p.x <= high[0] + slack && p.y >= low[1] - slack &&
-                p.y <= high[1] + slack && p.z >= low[2] - slack && p.z <= high[2] + slack)
-                stack[size++] = node.child[i];
-        }
+        for (int i = 0; i < 2; ++i)
+            if (node.child[i] != no_child && holds(node.low[i], node.high[i])) stack[size++] = node.child[i];
     }
+}
+
+template <class Visit>
+void Hierarchy::for_each_at(const Point& point, double slack, Visit visit) const {
+    const Vector p = point - anchor_;
+    const auto holds = [&](const auto& low, const auto& high) {
+        return p.x >= low[0] - slack && p.x <= high[0] + slack && p.y >= low[1] - slack && p.y <= high[1] + slack &&
+               p.z >= low[2] - slack && p.z <= high[2] + slack;
+    };
+    for_each_where(holds, visit);
+}
+
+template <class Visit>
+void Hierarchy::for_each_overlapping(const Bounds& box, Visit visit) const {
+    const Vector l = box.low - anchor_, h = box.high - anchor_;
+    const auto overlaps = [&](const auto& low, const auto& high) {
+        return h.x >= low[0] && l.x <= high[0] && h.y >= low[1] && l.y <= high[1] && h.z >= low[2] && l.z <= high[2];
+    };
+    for_each_where(overlaps, visit);
 }
 
 }  // namespace lapidary

@@ -12,6 +12,7 @@
 
 #include "kernel/prepare/draft.h"
 #include "kernel/prepare/surface_classes.h"
+#include "kernel/prepare/transparency.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -61,6 +62,7 @@ public:
             if (solid.deep_tree < 0) find_product_form(solid);
         build_hierarchy();
         note_features();
+        if (world_.features.transparency) note_transparency(world_);
     }
 
 private:
@@ -386,21 +388,12 @@ private:
         const Node& node = world_.nodes[index];
         if (node.operation == Operation::leaf) {
             leaves.push_back(node.first);
-            return has_one_span(world_.leaves[node.first]);
+            return has_one_span(world_, world_.leaves[node.first]);
         }
         if (node.operation != operation && !(operation == Operation::union_ && node.operation == Operation::merge)) return false;
         for (std::int32_t i = 0; i < node.count; ++i)
             if (!gather_leaves(world_.children[node.first + i], operation, leaves)) return false;
         return true;
-    }
-
-    // A cone among shared surfaces is met with both of its nappes.
-    bool has_one_span(const Leaf& leaf) const {
-        for (std::int32_t i = 0; i < leaf.surface_count; ++i) {
-            const SurfaceClass& surface = world_.surface_classes[world_.surface_uses[leaf.first_surface + i].surface_class];
-            if (!surface.whole && surface.surface.kind == Surface::Kind::cone) return false;
-        }
-        return leaf.object->max_spans() == 1;
     }
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.

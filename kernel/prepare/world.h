@@ -84,6 +84,15 @@ struct Solid {
 
     std::int32_t deep_tree = -1;  // in World::deep_trees; -1: shallow enough to be followed from node to node
 
+    // A small tree of leaves of one span each, and of one medium: packets follow it for all lanes at once.
+    bool fits_lanes = false;
+    std::int32_t owner = -1, medium = -1;  // of its inside, where that is of one medium
+    double priority = 0;
+    // What it does to shadow rays: it blocks them; changes nothing, clear as it is; or has to be asked (where it dims them, and
+    // where opaque matter may lie hidden in transparent matter that comes first).
+    enum class Shadow : std::uint8_t { blocks, clear, asked };
+    Shadow shadow = Shadow::blocks;
+
     // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
     // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
     bool is_product = false;
@@ -148,6 +157,15 @@ public:
         return {faces.data() + leaf.first_face, static_cast<std::size_t>(leaf.face_count)};
     }
 };
+
+// Whether no line meets a leaf in more than one piece. A cone among shared surfaces is met with both of its nappes.
+inline bool has_one_span(const World& world, const Leaf& leaf) {
+    for (std::int32_t i = 0; i < leaf.surface_count; ++i) {
+        const SurfaceClass& surface = world.surface_classes[world.surface_uses[leaf.first_surface + i].surface_class];
+        if (!surface.whole && surface.surface.kind == Surface::Kind::cone) return false;
+    }
+    return leaf.object->max_spans() == 1;
+}
 
 struct PrepareOptions {
     bool coincidence = true;  // faces on the same surface are recognised; without, to measure what that costs

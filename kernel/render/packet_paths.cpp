@@ -29,11 +29,7 @@ void PacketPaths::Wave::fill_up() {
 }
 
 PacketPaths::PacketPaths(Tracer::Implementation& tracer)
-    : tracer_(tracer),
-      world_(tracer.world),
-      packet_(tracer.world, tracer.statistics),
-      extended_lights_(static_cast<std::uint32_t>(
-          std::count_if(world_.lights.begin(), world_.lights.end(), [](const auto& light) { return light->has_extent(); }))) {}
+    : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics) {}
 
 void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
     if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
@@ -43,8 +39,12 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
         wave.count = static_cast<int>(part.size());
         const auto packets = rays.subspan(begin / width, (part.size() + width - 1) / width);
         std::copy(packets.begin(), packets.end(), wave.rays.begin());
-        wave.paths.fill({});
-        trace_wave(0, all_layers ? part : std::span<RaySample>{});
+        std::fill_n(wave.paths.begin(), wave.count, Path{});
+        const auto first = all_layers ? part : std::span<RaySample>{};
+        if (world_.features.transparency)
+            trace_wave_through_matter(0, first);
+        else
+            trace_wave(0, first);
         for (std::size_t i = 0; i < part.size(); ++i) part[i].colour = wave.colours[i];
     }
 }
@@ -74,6 +74,7 @@ PacketPaths::FacePacket& PacketPaths::new_faces() {
     if (face_packets_ == faces_.size()) faces_.push_back(std::make_unique<FacePacket>());
     FacePacket& faces = *faces_[face_packets_++];
     faces.count = 0;
+    faces.transparent = 0, faces.sheets = 0, faces.leaving = 0;
     return faces;
 }
 
@@ -123,20 +124,31 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
         const int ray = std::countr_zero(rest);
         if (wave.leaf(ray) != index) continue;
         waiting &= ~(std::uint64_t{1} << ray);
-        const int lane = faces.count++;
-        rays.add(wave.ray(ray));
-        t[lane] = wave.t(ray);
-        faces.ray[lane] = ray;
-        faces.travelled[lane] = wave.paths[ray].travelled + t[lane];
-        faces.departure[lane] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
-        faces.key[lane] = rays.key[lane];
-        faces.light_samples[lane] = extended_lights_ * static_cast<std::uint32_t>(wave.paths[ray].depth);
+        t[faces.count] = wave.t(ray);
+        faces.departure[faces.count] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
+        add_plain_face(wave, ray, faces, rays, t);
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
     place_faces(leaf, rays, t, faces);
     give_matter(material, faces);
+    describe(leaf, material, faces, first);
+}
 
+// What is known of a face from the ray alone. `t` of its lane is set.
+void PacketPaths::add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t) {
+    const int lane = faces.count++;
+    const Path& path = wave.paths[ray];
+    rays.add(wave.ray(ray));
+    faces.ray[lane] = ray;
+    faces.travelled[lane] = path.travelled + t[lane];
+    faces.key[lane] = rays.key[lane];
+    faces.light_samples[lane] = tracer_.extended_lights * path.faces;
+}
+
+// For the layers beside the colour.
+void PacketPaths::describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces,
+                           std::span<RaySample> first) {
     if (first.empty()) return;
     for (int lane = 0; lane < faces.count; ++lane) {
         RaySample& sample = first[static_cast<std::size_t>(faces.ray[lane])];
@@ -241,13 +253,16 @@ void PacketPaths::meet_single_face(Wave& wave, int ray, std::span<RaySample> fir
     const std::optional<Encounter> encounter = tracer_.encounter_face(single, boundary, path.travelled, sample);
     if (!encounter) {
         // A boundary without a face is one that rounding undid: the single path knows how to go on.
-        tracer_.light_samples = extended_lights_ * static_cast<std::uint32_t>(path.depth);
         wave.colours[ray] = tracer_.radiance(single, path, sample);
         return;
     }
+    add_single_face(wave, ray, *encounter);
+}
+
+void PacketPaths::add_single_face(Wave& wave, int ray, const Encounter& encounter) {
     if (!single_faces_ || single_faces_->is_full()) single_faces_ = &new_faces();
-    single_faces_->add(wave, ray, *encounter);
-    single_faces_->light_samples[single_faces_->count - 1] = extended_lights_ * static_cast<std::uint32_t>(path.depth);
+    single_faces_->add(wave, ray, encounter);
+    single_faces_->light_samples[single_faces_->count - 1] = tracer_.extended_lights * wave.paths[ray].faces;
 }
 
 void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter& e) {
@@ -263,8 +278,19 @@ void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter&
     colour.set(lane, e.matter.colour);
     reflection[lane] = e.matter.reflection, shininess[lane] = e.matter.shininess;
     departure[lane] = e.departure;
-    departure[lane].cell = e.cell_before;
+    departure[lane].cell = e.cell_before, cell_behind[lane] = e.cell_behind;
+    transparent |= static_cast<unsigned>(e.matter.is_transparent()) << lane;
+    sheets |= static_cast<unsigned>(e.is_sheet) << lane;
+    opacity[lane] = e.matter.opacity;
+    index_before[lane] = e.index_before, index_behind[lane] = e.index_behind;
     key[lane] = rays.key[number % width];
+}
+
+Ray PacketPaths::FacePacket::depart(int lane, const Vector& direction) const {
+    Ray onward{{to_point(anchor[lane]), offset[lane]}, direction, departure[lane], key[lane]};
+    onward.departure.inward = dot(direction, outward[lane]) < 0;
+    if (is_transparent(lane) && !(dot(direction, geometric[lane]) > 0)) onward.departure.cell = cell_behind[lane];
+    return onward;
 }
 
 // The lanes without a face get what arithmetic can take.
@@ -338,8 +364,10 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
         if (!has_radiance || !(cosine[i] > 0)) continue;
         aimed.highlight[i] = highlight(along_mirrored[i], faces.shininess[i]);
         const double rest = cosine[i] - aimed.highlight[i];
-        aimed.diffuse[i] = rest > 0 ? rest : 0;
-        if ((aimed.highlight[i] > 0 || aimed.diffuse[i] > 0) && facing[i] > 0) aimed.arrives |= 1u << i;
+        const bool is_clear = faces.is_transparent(i) && !(faces.opacity[i] > 0);
+        aimed.diffuse[i] = rest > 0 && !is_clear ? rest : 0;
+        const bool is_lit_through = ((faces.transparent & ~faces.sheets) >> i & 1) != 0;
+        if ((aimed.highlight[i] > 0 || aimed.diffuse[i] > 0) && (facing[i] > 0 || is_lit_through)) aimed.arrives |= 1u << i;
     }
     tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
 }
@@ -350,14 +378,12 @@ void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) 
         const IlluminationBatch& light = aimed.illumination;
         const Vector direction{light.direction_x[lane], light.direction_y[lane], light.direction_z[lane]};
         const int shadow = shadows_.count++, packet = shadow / width;
-        Departure departure = faces.departure[lane];
-        departure.inward = dot(direction, faces.outward[lane]) < 0;
-        shadows_.rays[packet].add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]});
+        shadows_.rays[packet].add(faces.depart(lane, direction));
         const Point from{faces.points.x[lane], faces.points.y[lane], faces.points.z[lane]};
         shadows_.distances[packet][shadow % width] = end_before_light(from, light.distance[lane]);
-        const Colour radiance{light.r[lane], light.g[lane], light.b[lane]};
-        shadows_.diffuse[shadow] = aimed.diffuse[lane] * radiance;
-        shadows_.highlight[shadow] = aimed.highlight[lane] * radiance;
+        shadows_.to_light[shadow] = light.distance[lane];
+        shadows_.radiance[shadow] = {light.r[lane], light.g[lane], light.b[lane]};
+        shadows_.diffuse[shadow] = aimed.diffuse[lane], shadows_.highlight[shadow] = aimed.highlight[lane];
         shadows_.faces[shadow] = &faces, shadows_.lane[shadow] = lane;
         if (shadows_.count == Shadows::most) cast_shadows();
     }
@@ -365,20 +391,27 @@ void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) 
 
 void PacketPaths::cast_shadows() {
     if (shadows_.count == 0) return;
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count);
     const std::size_t packets = (static_cast<std::size_t>(shadows_.count) + width - 1) / width;
     for (std::size_t p = 0; p < packets; ++p) shadows_.rays[p].fill_up();
-    const unsigned blocked =
-        packet_.blocked(std::span(shadows_.rays).first(packets), std::span(shadows_.distances).first(packets));
+    const std::span rays = std::span(shadows_.rays).first(packets);
+    const std::span distances = std::span(shadows_.distances).first(packets);
+    const PacketThroughWorld::Shadows met = world_.features.transparency
+                                                ? packet_.shadows(rays, distances)
+                                                : PacketThroughWorld::Shadows{packet_.blocked(rays, distances), 0};
+    // Those that are asked of the single ray are counted there.
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count - std::popcount(met.asked));
     const unsigned all = (1u << shadows_.count) - 1;
-    for (unsigned rest = all & ~blocked; rest != 0; rest &= rest - 1) {
+    for (unsigned rest = all & ~met.blocked; rest != 0; rest &= rest - 1) {
         const int shadow = std::countr_zero(rest), lane = shadows_.lane[shadow];
         FacePacket& faces = *shadows_.faces[shadow];
-        const Colour diffuse = shadows_.diffuse[shadow], highlight = shadows_.highlight[shadow];
+        Colour arrives = shadows_.radiance[shadow];
+        if ((met.asked >> shadow & 1) != 0)
+            arrives = arrives * tracer_.light_through(rays[shadow / width].ray(shadow % width), shadows_.to_light[shadow]);
+        const Colour diffuse = shadows_.diffuse[shadow] * arrives, highlight = shadows_.highlight[shadow] * arrives;
         faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
         faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
     }
-    for (RayPacket& rays : shadows_.rays) rays.clear();
+    for (RayPacket& packet : shadows_.rays) packet.clear();
     shadows_.count = 0;
 }
 
@@ -406,16 +439,14 @@ void PacketPaths::mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next
     const int sender = faces.ray[lane];
     const double reflection = faces.reflection[lane];
     const Path& path = wave.paths[sender];
-    const Path onward{path.weight * reflection, path.depth + 1, faces.travelled[lane], 2 * path.branch};
+    const Path onward{path.weight * reflection, path.depth + 1, faces.travelled[lane], 2 * path.branch, path.faces + 1};
     if (onward.ends(tracer_.settings)) {
         wave.colours[sender] += reflection * world_.background;
         return;
     }
     const Vector direction = Tracer::Implementation::turned_out(faces.mirrored[lane], Normal(faces.geometric[lane]));
-    Departure departure = faces.departure[lane];
-    departure.inward = dot(direction, faces.outward[lane]) < 0;
     next.sender[next.count] = sender, next.reflection[next.count] = reflection;
-    next.add({{to_point(faces.anchor[lane]), faces.offset[lane]}, direction, departure, faces.key[lane]}, onward);
+    next.add(faces.depart(lane, direction), onward);
 }
 
 }  // namespace lapidary

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Paths in an opaque World, many at a time. A wave of rays goes together from stage to stage:
+// Paths, many at a time. A wave of rays goes together from stage to stage:
 //
 //     first boundaries -> faces, by leaf -> lights, one after the other, with their shadow rays -> colours -> mirrored rays,
 //
-// which are the next wave. In each stage eight rays stand in lanes; what all rays of a stage share (the leaf's placement, its
-// matter, the light) is looked up once. Colours are put together in the order of the single path, to the same bits.
+// which are the next wave. Where matter is transparent (packet_paths_through_matter.cpp), first changes of it take the place of
+// boundaries, and refracted rays join the mirrored ones; a ray that has to do with anything unusual is traced by itself. In each
+// stage eight rays stand in lanes; what all rays of a stage share (the leaf's placement, its matter, the light) is looked up
+// once. Colours are put together in the order of the single path, to the same bits.
 #pragma once
 
 #include <array>
@@ -37,15 +39,32 @@ public:
 private:
     static constexpr int wave_size = 64;
 
+    // Through transparent matter a ray may send two: longer waves are traced in portions.
+    static constexpr int portion_size = 128, longest_wave = 2 * portion_size;
+
+    // What a ray of the next wave, or the background where the path ends, adds to a ray of this one.
+    struct Contribution {
+        std::int32_t to = 0;
+        std::int32_t from = -1;  // -1: the background
+        double weight = 0;
+    };
+
     // Rays on their way, and what each brings back.
     struct Wave {
         int count = 0;
-        std::array<RayPacket, wave_size / width> rays;
+        std::array<RayPacket, longest_wave / width> rays;
         std::array<BoundaryPacket, wave_size / width> boundaries;
-        std::array<Path, wave_size> paths;
-        std::array<Colour, wave_size> colours;
+        std::array<Path, longest_wave> paths;
+        std::array<Colour, longest_wave> colours;
         std::array<std::int32_t, wave_size> sender;  // of a mirrored ray: which ray of the wave before
         std::array<double, wave_size> reflection;    // of the face that it comes from
+
+        // Where matter is transparent: of the portion under way, what changes first, what is left of light on the way there, and
+        // what comes back, mirrored before refracted.
+        int begin = 0, end = 0;
+        std::array<ChangePacket, portion_size / width> changes;
+        std::array<Colour, longest_wave> passed;
+        std::vector<Contribution> contributions;
 
         void clear();
         void add(const Ray& ray, const Path& path);
@@ -54,6 +73,7 @@ private:
         double t(int i) const { return boundaries[i / width].t[i % width]; }
         std::int32_t leaf(int i) const { return boundaries[i / width].leaf[i % width]; }
         std::int32_t solid(int i) const { return boundaries[i / width].solid[i % width]; }
+        const ChangePacket& change(int i) const { return changes[(i - begin) / width]; }
         bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
 
@@ -72,8 +92,16 @@ private:
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
         bool is_full() const { return count == width; }
+        // Of transparent matter, bit i for lane i: which faces are of it, which are sheets, and which are seen from inside.
+        unsigned transparent, sheets, leaving;
+        Lanes opacity, index_before, index_behind;
+        std::array<std::int32_t, width> cell_behind;
+
         void add(const Wave& wave, int ray, const Encounter& encounter);
         void fill_up();
+        bool is_transparent(int lane) const { return (transparent >> lane & 1) != 0; }
+        // A ray that starts at a face, at the side that its direction points to.
+        Ray depart(int lane, const Vector& direction) const;
     };
 
     // A light as it falls on a packet of faces, before shadow.
@@ -89,7 +117,8 @@ private:
         int count = 0;
         std::array<RayPacket, PacketThroughWorld::most_packets> rays;
         std::array<Lanes, PacketThroughWorld::most_packets> distances;
-        std::array<Colour, most> diffuse, highlight;
+        std::array<Colour, most> radiance;
+        std::array<double, most> diffuse, highlight, to_light;  // `to_light` is the distance, of which `distances` lack a little
         std::array<FacePacket*, most> faces;
         std::array<std::int32_t, most> lane;
     };
@@ -99,7 +128,10 @@ private:
     void collect_faces(Wave& wave, std::span<RaySample> first);
     bool is_plain(const Wave& wave, int ray) const;
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
+    void add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t);
+    void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
     void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
+    void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces();
@@ -111,11 +143,36 @@ private:
     void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
     FacePacket& new_faces();
 
+    // Through transparent matter.
+    void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
+    void trace_portion(std::size_t depth, std::span<RaySample> first);
+    void find_changes(Wave& wave);
+    void collect_faces_at_changes(Wave& wave, std::span<RaySample> first);
+    enum class Meeting : std::uint8_t { nothing, plain_face, single_face };
+    Meeting go_to_change(Wave& wave, int ray, std::span<RaySample> first);
+    bool march(Wave& wave, int ray, const MaterialInstance& medium, std::span<RaySample> first);
+    void trace_alone(Wave& wave, int ray, std::span<RaySample> first);
+    bool is_plain_at_change(const Wave& wave, int ray) const;
+    std::uint64_t sorting_key(const Wave& wave, int ray) const;
+    static int ray_of(const Wave& wave, std::uint64_t sorting_key);
+    bool is_same_face(const Wave& wave, std::uint64_t key, std::uint64_t other) const;
+    std::int32_t shown_at_change(const Wave& wave, int ray) const;
+    void meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first);
+    void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
+    void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
+    void finish_colours_at_changes(std::size_t depth);
+    void divide_light(Wave& wave, Wave& next, const FacePacket& faces, int lane);
+    void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
+              Tracer::Implementation::Turn turn);
+    Label label_of(std::int32_t solid) const;
+    Boundary boundary_of(const Wave& wave, int ray) const;
+
     Tracer::Implementation& tracer_;
     const World& world_;
     PacketThroughWorld packet_;
-    std::uint32_t extended_lights_ = 0;
     std::vector<std::unique_ptr<Wave>> waves_;  // by depth
+    std::vector<std::uint64_t> plain_;          // rays that meet plain faces, to be sorted by these
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;

@@ -236,10 +236,11 @@ std::optional<AimedLight> Tracer::Implementation::aim(const Light& light, const 
 }
 
 // The sums over the lights: ambient, D and S parts.
-Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e) {
+Lit Tracer::Implementation::light(const Ray& ray, const Encounter& e, const Path& path) {
     Lit lit;
     for (const auto& ambient : world.ambient_lights) lit.ambient += ambient->toward(e.point.rounded(), {}).radiance;
     const Vector mirrored = mirror(ray.direction, e.shading);
+    std::uint32_t light_samples = extended_lights * path.faces;
     for (const auto& light : world.lights) {
         const std::optional<AimedLight> aimed = aim(*light, ray, e, mirrored, light_samples);
         if (!aimed) continue;
@@ -259,7 +260,8 @@ Vector Tracer::Implementation::mirrored_direction(const Ray& ray, const Encounte
 // Follows a path from an encounter, or ends it with the background where it counts too little.
 Colour Tracer::Implementation::continue_path(const Ray& from, const Encounter& e, const Vector& direction, double weight,
                                              const Path& path, Turn turn) {
-    const Path next{path.weight * weight, path.depth + 1, e.travelled, 2 * path.branch + (turn == Turn::refracted)};
+    const Path next{path.weight * weight, path.depth + 1, e.travelled, 2 * path.branch + (turn == Turn::refracted),
+                    path.faces + 1};
     if (next.ends(settings)) return world.background;
     return radiance(depart(from, e, direction), next, nullptr);
 }
@@ -271,7 +273,7 @@ void Tracer::Implementation::tell_observer(const Ray& ray, const Encounter& e, c
 
 Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const Path& path) {
     const Matter& matter = e.matter;
-    const Lit lit = light(ray, e);
+    const Lit lit = light(ray, e, path);
     const Colour local = matter.colour * (lit.ambient + lit.diffuse) + lit.highlight;
 
     const bool transparent = matter.is_transparent();
@@ -304,6 +306,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
     if (transparency) check_first_cell(ray, label);
     Colour gathered, passed = Colour::white();
+    Path here = path;
     for (double from = 0; !is_stopped();) {
         const Boundary boundary = ray_through_world.next(from, label);
         std::optional<Encounter> encounter;
@@ -334,10 +337,10 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
         if (!encounter) continue;
         if (observer) tell_observer(ray, *encounter, path, passed);
         if (lets_pass(*encounter)) {
-            gathered += passed * light(ray, *encounter).highlight;
+            gathered += passed * light(ray, *encounter, here).highlight;
+            ++here.faces;
             continue;
         }
-        Path here = path;
         here.weight *= largest(passed);
         return gathered + passed * shade(ray, *encounter, here);
     }
@@ -346,7 +349,8 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
 
 Tracer::Implementation::Implementation(const World& w, const RenderSettings& s, double footprint)
     : world(w), settings(s), pixel_footprint(footprint), ray_through_world(w, statistics), shadow_through_world(w, statistics) {
-    if (!world.features.transparency) packets = std::make_unique<PacketPaths>(*this);
+    for (const auto& light : world.lights) extended_lights += light->has_extent() ? 1 : 0;
+    packets = std::make_unique<PacketPaths>(*this);
 }
 Tracer::Implementation::~Implementation() = default;
 
@@ -365,12 +369,11 @@ void Tracer::trace(std::span<const RayPacket> rays, std::span<RaySample> samples
     Implementation& tracer = *implementation_;
     tracer.statistics.camera_rays += samples.size();
     if (all_layers) std::fill(samples.begin(), samples.end(), RaySample{});
-    if (tracer.packets && !tracer.observer && !tracer.one_by_one) {
+    if (!tracer.observer && !tracer.one_by_one) {
         tracer.packets->trace(rays, samples, all_layers);
         return;
     }
     for (std::size_t i = 0; i < samples.size() && !tracer.is_stopped(); ++i) {
-        tracer.light_samples = 0;
         const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
         samples[i].colour = tracer.radiance(ray, Path{}, all_layers ? &samples[i] : nullptr);
     }

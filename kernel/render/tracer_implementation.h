@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The inside of a Tracer: one path at a time (tracer.cpp), and packets of paths where nothing is transparent
-// (packet_paths.h). Both do the same arithmetic in the same order; the single path is the oracle of the packets.
+// The inside of a Tracer: one path at a time (tracer.cpp), and packets of paths (packet_paths.h). Both do the same arithmetic in
+// the same order; the single path is the oracle of the packets.
 #pragma once
 
 #include <atomic>
@@ -28,6 +28,7 @@ struct Path {
     int depth = 0;
     double travelled = 0;
     std::uint64_t branch = 1;  // as in PathEvent
+    std::uint32_t faces = 0;   // lit so far along it
 
     bool ends(const RenderSettings& settings) const { return depth > settings.depth || weight < settings.cutoff; }
 };
@@ -78,11 +79,11 @@ struct Tracer::Implementation {
     double pixel_footprint;
     TraceStatistics statistics;
     RayThroughWorld ray_through_world, shadow_through_world;
-    std::unique_ptr<PacketPaths> packets;  // where nothing is transparent
+    std::unique_ptr<PacketPaths> packets;
     bool one_by_one = false;
     std::function<void(const PathEvent&)> observer;
     const std::atomic<bool>* stop = nullptr;
-    std::uint32_t light_samples = 0;  // taken so far for the camera ray under way
+    std::uint32_t extended_lights = 0;
 
     bool is_stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 
@@ -108,7 +109,7 @@ struct Tracer::Implementation {
         return below < 0 ? renormalize(mirrored - 2 * below * to_vector(geometric)) : mirrored;
     }
     double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
-    Lit light(const Ray& ray, const Encounter& encounter);
+    Lit light(const Ray& ray, const Encounter& encounter, const Path& path);
     // What a light would add to an encounter if nothing stood between; nothing where that is nothing.
     std::optional<AimedLight> aim(const Light& light, const Ray& ray, const Encounter& encounter, const Vector& mirrored,
                                   std::uint32_t& samples);

@@ -30,7 +30,6 @@ int differences(const std::string& text) {
     REQUIRE(built->scene);
     Messages messages;
     const auto world = prepare_world(*built->scene, messages);
-    REQUIRE_FALSE(world->features.transparency);
     constexpr int columns = 131, rows = 97;
     const CameraRays camera(built->scene->camera, columns, rows);
     std::vector<Ray> rays;
@@ -118,4 +117,66 @@ TEST_CASE("Packets give the bits of single rays in the opaque scenes that come w
         text << file.rdbuf();
         CHECK(differences(text.str()) == 0);
     }
+}
+
+TEST_CASE("Packets give the bits of single rays: glass cut, melted, nested and coloured, between mirrors") {
+    CHECK(differences(head + R"(render { depth(6); }
+        solid glass { refraction(1.5); shininess(60); }
+        objects {
+        halfspace { material { solid { reflection(0.3); } } transform { translate(0, -1, 0); } }
+        cube { size(0.1, 1.5, 2); material { solid { reflection(0.8); } } transform { translate(-2, 0.5, 0); } }
+        cube { size(0.1, 1.5, 2); material { solid { reflection(0.8); } } transform { translate(3, 0.5, 0); } }
+        subtraction { sphere { } sphere { radius(0.6); transform { translate(0.2, 0.1, 0); } } material { glass; } }
+        merge { sphere { radius(0.5); } sphere { radius(0.5); transform { translate(0.5, 0, 0); } }
+                material { glass; } transform { translate(1.5, -0.5, 0); } }
+        intersection { cube { size(0.5, 0.5, 0.5); } sphere { radius(0.7); } material { solid { refraction(1.3); colour(0.4, 0.9, 0.5); } }
+                       transform { roty(0.6); translate(1.2, 0.7, -1); } }
+        union { sphere { radius(0.6); material { solid { refraction(1.4); opacity(0.2); reflection(0.1); colour(0.9, 0.5, 0.3); } } }
+                sphere { radius(0.3); priority(1); colour(0.9, 0.1, 0.1); } transform { translate(-1, -0.4, -1); } } })") == 0);
+}
+
+TEST_CASE(
+    "Packets give the bits of single rays: glass that touches, overlaps and hides, with sheets and trees that are no products") {
+    CHECK(differences(head + R"(render { depth(5); }
+        objects {
+        plane { transform { translate(0, -1, 0); } }
+        plane { material { solid { refraction(1.2); opacity(0.4); } } transform { rotx(90deg); translate(0, 0, -2); } }
+        cube { material { solid { refraction(1.5); } } transform { scale(0.5); } }
+        cube { material { solid { refraction(1.3); colour(0.9, 0.9, 1); } } transform { scale(0.5); translate(1, 0, 0); } }
+        cube { material { solid { refraction(1.5); } } transform { scale(0.5); translate(0, 1, 0); } }
+        sphere { radius(0.3); colour(1, 0, 0); }
+        sphere { radius(0.3); colour(1, 1, 0); transform { translate(0.5, 0.5, -0.5); } }
+        torus { material { solid { refraction(1.5); shininess(30); } } transform { rotx(0.7); translate(-1.5, 0.5, 0); } }
+        symdiff { sphere { } cube { transform { scale(0.8); translate(0.5, 0.5, 0.5); } } material { solid { refraction(1.4); } }
+                  transform { scale(0.5); translate(2.2, 0.3, 1); } } })") == 0);
+}
+
+TEST_CASE("Packets give the bits of single rays: textured glass under lights with extent") {
+    CHECK(differences(R"(
+        camera { location(0, 1, -5); look_at(0, 0, 0); rays(1); }
+        background(0.3, 0.4, 0.6);
+        render { depth(5); }
+        lights { ambient { } point { location(-3, 4, -4); radius(0.5); intensity(30); } direct { direction(1, -1, 1); angle(5deg); } }
+        objects {
+            sphere { material { checkers { solid { refraction(1.5); } solid { refraction(1.2); colour(0.9, 0.6, 0.6); }
+                                           transform { scale(0.4); } } } }
+            cube { material { noise { solid { refraction(1.3); } solid { colour(0.2, 0.4, 0.9); } solid { refraction(1.3); opacity(0.5); }
+                                      transform { scale(0.5); } } } transform { scale(0.5); translate(1.6, 0, 0); } }
+            cube { material { sine { refraction(1.4); colour(1, 0.5, 0.2); bump(0.1); transform { scale(0.2); } } }
+                   transform { scale(0.5); translate(-1.7, 0, 0); } }
+            halfspace { material { checkers { solid { reflection(0.5); } solid { colour(0, 0, 0); } } }
+                        transform { translate(0, -1, 0); } } })") == 0);
+}
+
+TEST_CASE("Packets give the bits of single rays: a camera in glass, in a sea around a hidden and a shown ball") {
+    CHECK(differences(R"(
+        camera { location(0, 0, -1.5); angle(80deg); rays(1); }
+        background(0.3, 0.4, 0.6);
+        render { depth(5); }
+        lights { ambient { } point { location(0.1, 2, -3); intensity(9); } }
+        objects { halfspace { material { solid { refraction(1.33); colour(0.8, 0.9, 0.95); depth(3); } } transform { translate(0, 0.5, 0); } }
+                  sphere { radius(0.5); colour(1, 0, 0); }
+                  sphere { radius(0.5); colour(0, 1, 0); priority(1); transform { translate(0.8, 0.3, 0); } }
+                  sphere { radius(0.4); material { solid { refraction(1.6); } } priority(2); transform { translate(-0.8, 0.2, 0); } } })") ==
+          0);
 }

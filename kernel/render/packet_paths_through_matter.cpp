@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: MIT
+//
+// Waves of rays through transparent matter. What is the same for all rays of a packet of faces is looked up once, as in opaque
+// Worlds; in addition each ray knows the solids that own the cells before and behind its face, and at a transparent face light
+// divides into a mirrored and a refracted ray, both of the next wave. Rays in textured matter march by themselves to where it
+// changes.
+//
+// Whatever is unusual (rounding, several faces at one place, faces that let light pass as if they were not there) is left to the
+// single path, from the start of the ray.
+#include <algorithm>
+#include <span>
+
+#include "kernel/csg/near_root.h"
+#include "kernel/csg/placed_lines.h"
+#include "kernel/render/packet_paths.h"
+
+namespace lapidary {
+
+void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySample> first) {
+    while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
+    Wave& wave = *waves_[depth];
+    wave.fill_up();
+    for (wave.begin = 0; wave.begin < wave.count && !tracer_.is_stopped(); wave.begin += portion_size) {
+        wave.end = std::min(wave.begin + portion_size, wave.count);
+        trace_portion(depth, first);
+    }
+}
+
+void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
+    Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
+    find_changes(wave);
+    face_packets_ = 0;
+    collect_faces_at_changes(wave, first);
+    light_faces();
+    finish_colours_at_changes(depth);
+
+    if (next.count > 0 && !tracer_.is_stopped()) trace_wave_through_matter(depth + 1, {});
+    for (const Contribution& c : wave.contributions)
+        wave.colours[c.to] += c.weight * (c.from < 0 ? world_.background : next.colours[c.from]);
+    for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = Colour::black() + wave.passed[i] * wave.colours[i];
+}
+
+void PacketPaths::find_changes(Wave& wave) {
+    const std::size_t begin = static_cast<std::size_t>(wave.begin) / width;
+    const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
+    for (std::size_t p = 0; p < packets; p += PacketThroughWorld::most_packets) {
+        const std::size_t count = std::min(PacketThroughWorld::most_packets, packets - p);
+        packet_.first_changes(std::span(wave.rays).subspan(begin + p, count), std::span(wave.changes).subspan(p, count));
+    }
+}
+
+// ---- faces -----------------------------------------------------------------------------------------------------------
+
+Label PacketPaths::label_of(std::int32_t solid) const {
+    if (solid < 0) return {};
+    const Solid& owner = world_.solids[solid];
+    return {owner.owner, owner.medium, owner.priority};
+}
+
+Boundary PacketPaths::boundary_of(const Wave& wave, int ray) const {
+    const ChangePacket& changes = wave.change(ray);
+    const int lane = ray % width;
+    Boundary boundary;
+    boundary.t = changes.first.t[lane], boundary.solid = changes.first.solid[lane], boundary.leaf = changes.first.leaf[lane];
+    boundary.before = label_of(changes.before[lane]), boundary.after = label_of(changes.after[lane]);
+    return boundary;
+}
+
+void PacketPaths::collect_faces_at_changes(Wave& wave, std::span<RaySample> first) {
+    single_faces_ = nullptr;
+    plain_.clear();
+    for (int i = wave.begin; i < wave.end; ++i) {
+        const Meeting meeting = go_to_change(wave, i, first);
+        if (meeting == Meeting::single_face) meet_single_face_at_change(wave, i, first);
+        if (meeting == Meeting::plain_face) plain_.push_back(sorting_key(wave, i));
+    }
+    if (single_faces_) single_faces_->fill_up();
+
+    std::sort(plain_.begin(), plain_.end());
+    for (std::size_t begin = 0; begin < plain_.size();) {
+        std::size_t end = begin + 1;
+        while (end < plain_.size() && end < begin + width && is_same_face(wave, plain_[begin], plain_[end])) ++end;
+        meet_plain_faces_at_changes(wave, std::span(plain_).subspan(begin, end - begin), first);
+        begin = end;
+    }
+}
+
+// Rays that meet the same face come to stand together.
+std::uint64_t PacketPaths::sorting_key(const Wave& wave, int ray) const {
+    const ChangePacket& changes = wave.change(ray);
+    const auto leaf = static_cast<std::uint64_t>(changes.first.leaf[ray % width]);
+    const auto face = static_cast<std::uint64_t>(changes.face[ray % width] + 1) & 0xff;
+    const auto shown = static_cast<std::uint64_t>(shown_at_change(wave, ray)) & 0xffff;
+    return leaf << 32 | face << 24 | shown << 8 | static_cast<std::uint64_t>(ray - wave.begin);
+}
+
+int PacketPaths::ray_of(const Wave& wave, std::uint64_t sorting_key) { return wave.begin + static_cast<int>(sorting_key & 0xff); }
+
+bool PacketPaths::is_same_face(const Wave& wave, std::uint64_t key, std::uint64_t other) const {
+    return key >> 8 == other >> 8 && shown_at_change(wave, ray_of(wave, key)) == shown_at_change(wave, ray_of(wave, other));
+}
+
+// Through the matter that a ray starts in, and what it meets at the end of it. Rays that are finished have their colours, to be
+// multiplied by what has passed.
+PacketPaths::Meeting PacketPaths::go_to_change(Wave& wave, int ray, std::span<RaySample> first) {
+    const ChangePacket& changes = wave.change(ray);
+    const int lane = ray % width;
+    const double t = changes.first.t[lane];
+    Colour& passed = wave.passed[ray];
+    passed = Colour::white();
+    wave.colours[ray] = world_.background;
+    if ((changes.unclear >> lane & 1) != 0) {
+        trace_alone(wave, ray, first);
+        return Meeting::nothing;
+    }
+    if (const std::int32_t owner = changes.before[lane]; owner >= 0) {
+        const MaterialInstance& medium = world_.materials[world_.solids[owner].medium];
+        if (!medium.is_uniform && medium.may_be_transparent) {
+            if (march(wave, ray, medium, first)) return Meeting::nothing;
+        } else if (medium.may_be_transparent) {
+            passed = passed * transmittance(medium, {}, 0, t);
+        }
+    }
+    if (is_black(passed) || t == infinity) return Meeting::nothing;
+    if (is_plain_at_change(wave, ray)) return Meeting::plain_face;
+    // A boundary without a leaf is one that rounding undid, or that several leaves share; one without a change is none.
+    const bool is_sheet = changes.first.solid[lane] < 0;
+    if (changes.first.leaf[lane] >= 0 && (is_sheet || changes.before[lane] != changes.after[lane])) return Meeting::single_face;
+    trace_alone(wave, ray, first);
+    return Meeting::nothing;
+}
+
+// To the next boundary within textured matter, and whether there is one, or nothing is left of light on the way.
+bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, std::span<RaySample> first) {
+    const Ray ray = wave.ray(number);
+    const MaterialLine line = material_line(medium, ray.origin, ray.direction);
+    const ChangePacket& changes = wave.change(number);
+    const double t = changes.first.t[number % width];
+    Crossing crossing;
+    if (medium.material->has_boundaries()) crossing = next_crossing(*medium.material, line, 0, t);
+    const double to = std::min(crossing.t, t);
+    wave.passed[number] = wave.passed[number] * transmittance(medium, line, 0, to);
+    if (is_black(wave.passed[number])) return true;
+    if (!(crossing.t < t)) return false;
+
+    std::optional<Encounter> encounter = tracer_.encounter_crossing(ray, medium, crossing, wave.paths[number].travelled);
+    if (!encounter) {
+        trace_alone(wave, number, first);
+        return true;
+    }
+    encounter->cell_before = encounter->cell_behind = world_.solids[changes.before[number % width]].owner;
+    add_single_face(wave, number, *encounter);
+    return true;
+}
+
+// By the single path, all of it.
+void PacketPaths::trace_alone(Wave& wave, int ray, std::span<RaySample> first) {
+    wave.passed[ray] = Colour::white();
+    wave.colours[ray] =
+        tracer_.radiance(wave.ray(ray), wave.paths[ray], first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)]);
+}
+
+// Of a face with a leaf.
+std::int32_t PacketPaths::shown_at_change(const Wave& wave, int ray) const {
+    const ChangePacket& changes = wave.change(ray);
+    const int lane = ray % width;
+    const std::int32_t own = world_.leaves[changes.first.leaf[lane]].appearance;
+    if (own >= 0) return own;
+    return world_.solids[changes.after[lane] >= 0 ? changes.after[lane] : changes.before[lane]].medium;
+}
+
+// Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, and of it which surface,
+// and no opaque matter may lie right behind a transparent face.
+bool PacketPaths::is_plain_at_change(const Wave& wave, int ray) const {
+    const ChangePacket& changes = wave.change(ray);
+    const int lane = ray % width;
+    const std::int32_t leaf = changes.first.leaf[lane], after = changes.after[lane];
+    if (leaf < 0 || changes.first.solid[lane] < 0 || changes.before[lane] == after) return false;
+    if (world_.leaves[leaf].first_surface >= 0 && changes.face[lane] < 0) return false;
+    const std::int32_t shown = shown_at_change(wave, ray);
+    return after < 0 || world_.solids[after].medium == shown || !world_.materials[shown].may_be_transparent;
+}
+
+// Rays that meet the same face of a leaf.
+void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first) {
+    const int leader = ray_of(wave, run.front());
+    const ChangePacket& leading = wave.change(leader);
+    const std::int32_t index = leading.first.leaf[leader % width], shown = shown_at_change(wave, leader);
+    const Leaf& leaf = world_.leaves[index];
+    FacePacket& faces = new_faces();
+    RayPacket rays;
+    Lanes t;
+    for (const std::uint64_t key : run) {
+        const int ray = ray_of(wave, key), lane = ray % width;
+        const ChangePacket& changes = wave.change(ray);
+        const int number = faces.count;
+        t[number] = changes.first.t[lane];
+        faces.departure[number] = {index, -1, false, label_of(changes.before[lane]).owner};
+        faces.cell_behind[number] = label_of(changes.after[lane]).owner;
+        if (changes.after[lane] < 0) faces.leaving |= 1u << number;
+        add_plain_face(wave, ray, faces, rays, t);
+    }
+    rays.fill_up();
+    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
+    if (leaf.first_surface >= 0)
+        place_shared_faces(leaf, leading.face[leader % width], rays, t, faces);
+    else
+        place_faces(leaf, rays, t, faces);
+    give_matter_at_changes(shown, wave, faces);
+    describe(leaf, world_.materials[shown], faces, first);
+}
+
+// LineThroughSolid::face_at for all lanes, of a face that a leaf shares: in the frame of its class's representative.
+void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t,
+                                     FacePacket& faces) {
+    const SurfaceUse& use = world_.surface_uses[leaf.first_surface + face];
+    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+    const Leaf& frame = world_.leaves[surface_class.leaf];
+    PlacedLines placed;
+    place_lines(frame.placement, rays, placed);
+    for (int i = 0; i < width; ++i) {
+        const Point in_frame = placed.lines.line(i).at(t[i] - placed.anchor[i]);
+        const bool near = !surface_class.whole && is_near_root(t[i], placed.anchor[i]);
+        const TwoPartPoint point =
+            near ? point_along(rays.ray(i).origin, t[i], rays.direction[i]) : frame.placement.to_parent_two_part(in_frame);
+        const Point local = &frame == &leaf && !near ? in_frame : leaf.placement.to_local(point);
+        const Normal normal = normalize(leaf.placement.to_parent(leaf.object->normal({local, face})));
+        const Vector arriving = rays.direction[i];
+        faces.anchor.set(i, point.anchor), faces.offset.set(i, point.offset);
+        const Point rounded = point.rounded();
+        faces.points.x[i] = rounded.x, faces.points.y[i] = rounded.y, faces.points.z[i] = rounded.z;
+        faces.arriving.set(i, arriving);
+        faces.geometric.set(i, dot(normal, arriving) > 0 ? -normal : normal);
+        faces.outward.set(i, use.flipped ? -normal : normal);
+        faces.departure[i].surface_class = use.surface_class;
+    }
+    faces.shading = faces.geometric;
+}
+
+void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<RaySample> first) {
+    const Ray ray = wave.ray(number);
+    tracer_.ray_through_world.start(ray);
+    RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(number)];
+    const std::optional<Encounter> encounter =
+        tracer_.encounter_face(ray, boundary_of(wave, number), wave.paths[number].travelled, sample);
+    if (encounter)
+        add_single_face(wave, number, *encounter);
+    else
+        trace_alone(wave, number, first);
+}
+
+void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces) {
+    const MaterialInstance& material = world_.materials[shown];
+    for (int i = 0; i < faces.count; ++i) {
+        const Vector arriving = faces.arriving[i];
+        const Normal geometric(faces.geometric[i]);
+        const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
+        const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
+        const bool leaving = (faces.leaving >> i & 1) != 0;
+        const Matter matter = matter_beside(material, site, leaving ? -beyond : beyond);
+        faces.colour.set(i, matter.colour);
+        faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
+        faces.opacity[i] = matter.opacity;
+        faces.index_before[i] = faces.index_behind[i] = 1;
+        if (matter.is_transparent()) {
+            const Boundary boundary = boundary_of(wave, faces.ray[i]);
+            const bool known_behind = !leaving && boundary.after.medium == shown;
+            faces.transparent |= 1u << i;
+            faces.index_behind[i] = tracer_.index_of(boundary.after, site, beyond, known_behind ? &matter : nullptr);
+            faces.index_before[i] = tracer_.index_of(boundary.before, site, -beyond, nullptr);
+        }
+        if (world_.features.relief)
+            faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
+    }
+    for (int i = faces.count; i < width; ++i) {
+        faces.colour.set(i, faces.colour[0]);
+        faces.reflection[i] = faces.reflection[0], faces.shininess[i] = faces.shininess[0];
+    }
+}
+
+// ---- colours ---------------------------------------------------------------------------------------------------------
+
+// Tracer::Implementation::shade for all faces, without what comes back along the rays that are sent.
+void PacketPaths::finish_colours_at_changes(std::size_t depth) {
+    Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
+    next.clear();
+    wave.contributions.clear();
+    for (std::size_t p = 0; p < face_packets_; ++p) {
+        const FacePacket& faces = *faces_[p];
+        for (int i = 0; i < faces.count; ++i) divide_light(wave, next, faces, i);
+    }
+}
+
+void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces, int lane) {
+    using Turn = Tracer::Implementation::Turn;
+    const int ray = faces.ray[lane];
+    const Colour highlight = faces.highlight[lane];
+    const Colour local = faces.colour[lane] * (faces.ambient[lane] + faces.diffuse[lane]) + highlight;
+    const double reflection = faces.reflection[lane];
+    const Vector arriving = faces.arriving[lane];
+    const Normal shading(faces.shading[lane]), geometric(faces.geometric[lane]);
+    double mirrored_weight = reflection;
+    wave.colours[ray] = (1 - reflection) * local;
+    if (!faces.is_transparent(lane)) {
+        if (mirrored_weight > 0) {
+            const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[lane], geometric);
+            send(wave, next, faces, lane, mirrored, mirrored_weight, Turn::mirrored);
+        }
+        return;
+    }
+
+    const double opacity = faces.opacity[lane];
+    const double index_before = faces.index_before[lane], index_behind = faces.index_behind[lane];
+    if (index_before == index_behind && opacity == 0 && reflection == 0) {
+        trace_alone(wave, ray, {});
+        return;
+    }
+    const double fresnel = fresnel_reflectance(arriving, shading, index_before, index_behind);
+    const double clear = (1 - reflection) * (1 - opacity);
+    mirrored_weight = reflection + clear * fresnel;
+    const double refracted_weight = clear * (1 - fresnel);
+    wave.colours[ray] = (1 - reflection) * (opacity * local + (1 - opacity) * highlight);
+    if (mirrored_weight > 0) {
+        const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[lane], geometric);
+        send(wave, next, faces, lane, mirrored, mirrored_weight, Turn::mirrored);
+    }
+    if (refracted_weight > 0) {
+        const double eta = index_before / index_behind;
+        std::optional<Vector> direction = eta == 1 ? arriving : refract(arriving, shading, eta);
+        if (direction && dot(*direction, geometric) >= 0) direction = refract(arriving, geometric, eta);
+        if (direction) {
+            send(wave, next, faces, lane, *direction, refracted_weight, Turn::refracted);
+        } else {
+            ++tracer_.statistics.refracted_rays;
+            wave.contributions.push_back({ray, -1, refracted_weight});
+        }
+    }
+}
+
+// The ray that goes on from a face, or the background where it would count too little.
+void PacketPaths::send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
+                       Tracer::Implementation::Turn turn) {
+    const bool refracted = turn == Tracer::Implementation::Turn::refracted;
+    ++(refracted ? tracer_.statistics.refracted_rays : tracer_.statistics.mirrored_rays);
+    const int ray = faces.ray[lane];
+    const Path& path = wave.paths[ray];
+    const double weight_here = path.weight * largest(wave.passed[ray]);
+    const Path onward{weight_here * weight, path.depth + 1, faces.travelled[lane], 2 * path.branch + refracted, path.faces + 1};
+    if (onward.ends(tracer_.settings)) {
+        wave.contributions.push_back({ray, -1, weight});
+        return;
+    }
+    wave.contributions.push_back({ray, next.count, weight});
+    next.add(faces.depart(lane, direction), onward);
+}
+
+}  // namespace lapidary
