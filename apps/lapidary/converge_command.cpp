@@ -21,6 +21,8 @@ namespace lapidary {
 namespace {
 
 constexpr double usual_longer_side = 160;
+// Of an error that is judged, this much may be the reference's.
+constexpr double trusted_part = 0.2;
 
 // The same shape, small enough for a reference of many samples.
 void make_small(OutputSettings& output) {
@@ -102,13 +104,15 @@ private:
     }
 
     ExitCode tell(const Convergence& convergence) const {
-        fmt::print("reference: {} samples a pixel, itself off by about {:.2g}, {:.3g} s\nwrote {} and {}\n",
+        fmt::print("reference: {} samples a pixel, itself off by {:.2g}, {:.3g} s\nwrote {} and {}\n",
                    arguments_.reference_samples, convergence.reference_error, convergence.reference_seconds, file("csv").string(),
                    file("svg").string());
         const bool kept = std::ranges::all_of(convergence.points, &ConvergencePoint::keeps_promise);
         if (!kept)
             fmt::print(
                 "the error asked for is not kept everywhere: RMSE at most it, and 99 % of the pixels within twice of it\n");
+        if (convergence.reference_error > trusted_part * std::ranges::min(arguments_.errors))
+            fmt::print("the reference is too coarse to judge the smallest errors by: give more --reference-samples\n");
         return kept ? ExitCode::success : ExitCode::difference;
     }
 

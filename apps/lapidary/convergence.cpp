@@ -2,6 +2,7 @@
 #include "apps/lapidary/convergence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kernel/render/pixel_estimate.h"
@@ -10,19 +11,12 @@ namespace lapidary {
 
 namespace {
 
-constexpr std::uint32_t reference_sequence = 1;
+// Other samples than the pictures', and than each other's.
+constexpr std::array<std::uint32_t, 2> reference_sequences{1, 2};
 
 Colour colour_at(const Frame& frame, int x, int y) {
     const auto channels = frame.pixel(Layer::colour, x, y);
     return {channels[0], channels[1], channels[2]};
-}
-
-// Of the estimates in the layer of errors.
-double estimated_rmse(const Frame& frame) {
-    double squares = 0;
-    for (const float error : frame.layer(Layer::error))
-        if (std::isfinite(error)) squares += static_cast<double>(error) * error;
-    return std::sqrt(squares / static_cast<double>(frame.layer(Layer::error).size()));
 }
 
 RenderOptions common_options(const ConvergenceOptions& options) {
@@ -30,6 +24,37 @@ RenderOptions common_options(const ConvergenceOptions& options) {
     common.threads = options.threads;
     common.cancel = options.cancel;
     return common;
+}
+
+// The mean of two pictures. They are independent and equally good: it is off by half of what they differ by.
+struct Reference {
+    explicit Reference(const Scene& scene) : mean(scene.output.width, scene.output.height, {}) {}
+
+    Frame mean;
+    double error = 0, seconds = 0;
+    bool complete = false;
+};
+
+void average(const Frame& a, const Frame& b, Frame& mean) {
+    for (int y = 0; y < mean.height(); ++y)
+        for (int x = 0; x < mean.width(); ++x)
+            std::ranges::transform(a.pixel(Layer::colour, x, y), b.pixel(Layer::colour, x, y),
+                                   mean.pixel(Layer::colour, x, y).begin(), [](float u, float v) { return (u + v) / 2; });
+}
+
+void render_reference(const World& world, const Scene& scene, const ConvergenceOptions& options, Reference& reference) {
+    Frame first(scene.output.width, scene.output.height, {}), second(scene.output.width, scene.output.height, {});
+    RenderOptions of_reference = common_options(options);
+    of_reference.samples = std::max(1, options.reference_samples / 2);
+    for (Frame* const half : {&first, &second}) {
+        of_reference.sequence = half == &first ? reference_sequences[0] : reference_sequences[1];
+        const RenderReport report = render(world, scene, *half, of_reference);
+        reference.seconds += report.seconds;
+        if (!report.complete) return;
+    }
+    average(first, second, reference.mean);
+    reference.error = measure_error(first, second, 1).rmse / 2;
+    reference.complete = true;
 }
 
 }  // namespace
@@ -54,19 +79,14 @@ MeasuredError measure_error(const Frame& picture, const Frame& reference, double
 
 Convergence measure_convergence(const World& world, const Scene& scene, const ConvergenceOptions& options) {
     Convergence convergence;
-    const int width = scene.output.width, height = scene.output.height;
-
-    Frame reference(width, height, {Layer::error});
-    RenderOptions of_reference = common_options(options);
-    of_reference.samples = options.reference_samples;
-    of_reference.sequence = reference_sequence;
-    const RenderReport reference_report = render(world, scene, reference, of_reference);
-    if (!reference_report.complete) return convergence;
-    convergence.reference_error = estimated_rmse(reference);
-    convergence.reference_seconds = reference_report.seconds;
+    Reference reference(scene);
+    render_reference(world, scene, options, reference);
+    if (!reference.complete) return convergence;
+    convergence.reference_error = reference.error;
+    convergence.reference_seconds = reference.seconds;
 
     for (const double error : options.errors) {
-        Frame picture(width, height, {});
+        Frame picture(scene.output.width, scene.output.height, {});
         RenderOptions of_picture = common_options(options);
         of_picture.error = error;
         const RenderReport report = render(world, scene, picture, of_picture);
@@ -74,7 +94,7 @@ Convergence measure_convergence(const World& world, const Scene& scene, const Co
 
         const double samples_per_pixel = static_cast<double>(report.samples) / static_cast<double>(report.pixels);
         convergence.points.push_back(
-            {error, measure_error(picture, reference, error), samples_per_pixel, report.seconds, report.processor_seconds});
+            {error, measure_error(picture, reference.mean, error), samples_per_pixel, report.seconds, report.processor_seconds});
         if (options.on_point) options.on_point(convergence.points.back());
     }
     convergence.complete = true;

@@ -3,9 +3,9 @@
 // Time against error: pictures at a ladder of errors, each measured against a reference that is far closer to the truth.
 //
 // The reference takes many samples of every pixel, none of them one of the measured pictures' (RenderOptions::sequence):
-// an error that both share would go unseen. What the reference itself is off adds to the measured errors; it never hides
-// any. Differences are those that the promise is about: the root mean square over a pixel's channels, absolute up to
-// white, relative to the brightest channel above.
+// an error that both share would go unseen. It is made of two halves, whose difference tells how far it is off itself. That
+// adds to the measured errors; it never hides any. Differences are those that the promise is about: the root mean square over a
+// pixel's channels, absolute up to white, relative to the brightest channel above.
 #pragma once
 
 #include <atomic>
@@ -42,7 +42,7 @@ struct ConvergenceOptions {
 
 struct Convergence {
     bool complete = false;       // false: cancelled; the points are those until then
-    double reference_error = 0;  // how far the reference may be off, estimated: RMSE
+    double reference_error = 0;  // how far the reference itself is off: RMSE
     double reference_seconds = 0;
     std::vector<ConvergencePoint> points;
 };
