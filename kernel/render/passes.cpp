@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <thread>
@@ -42,6 +43,7 @@ struct Pixel {
     Colour before;                                         // the colour before its samples were doubled last
     std::uint32_t taken = 0;                               // samples traced, also those that were not finite
     std::uint32_t goal = 0;                                // samples to have after the next pass
+    float earlier_moves = no_moves;                        // those before the last one, as remembered_moves() keeps them
     float error = std::numeric_limits<float>::infinity();  // as estimated last
 };
 
@@ -165,10 +167,12 @@ private:
     // Doubles the samples of pixels above the tolerance; false where there are none.
     bool refine_goals(const PixelRegion& region, double tolerance);
     bool may_go_on(const Pixel& pixel) const;
+    bool may_not_rest(const Pixel& pixel, double tolerance) const;
     double estimated_error(int x, int y) const;
     double own_error(const Pixel& pixel) const;
     double error_around(int x, int y) const;
     double change_around(int x, int y) const;
+    double moves_of(std::size_t pixel) const;
     Colour colour_of(std::size_t pixel) const;
 
     void write_pixels(const PixelRegion& tile);
@@ -539,11 +543,14 @@ double Passes::change_around(int x, int y) const {
         for (int nx = around.x0; nx < around.x1; ++nx) {
             const std::size_t index = index_of(nx, ny);
             if (pixels_[index].taken != taken) continue;
-            const double change = contrast(pixels_[index].before, colour_of(index));
-            squares += change * change;
+            squares += moves_of(index);
             ++count;
         }
-    return factor_of_moves * std::sqrt(squares / count);
+    return std::sqrt(squares / count);
+}
+
+double Passes::moves_of(std::size_t pixel) const {
+    return remembered_moves(pixels_[pixel].earlier_moves, contrast(pixels_[pixel].before, colour_of(pixel)));
 }
 
 void Passes::set_goals(std::uint32_t goal) {
@@ -554,6 +561,12 @@ bool Passes::may_go_on(const Pixel& pixel) const {
     // A pixel of which hardly any sample is finite will not come to rest.
     const bool hopeless = pixel.estimate.count() < pixel.taken / 16;
     return pixel.taken < most_samples_ && !hopeless;
+}
+
+// The first samples alone cannot move. Where small errors matter, no pixel is believed before it had the chance to. (A filter
+// with negative lobes begins with many samples.)
+bool Passes::may_not_rest(const Pixel& pixel, double tolerance) const {
+    return tolerance < least_coarse_error && pixel.taken == first_samples_ && !filter_.has_negative_lobes();
 }
 
 bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
@@ -572,10 +585,13 @@ bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
         std::size_t pixels = 0, pixels_in_region = 0;
         for_each_pixel(tile, [&](int x, int y) {
             Pixel& pixel = pixels_[index_of(x, y)];
-            if (pixel.error <= tolerance || !may_go_on(pixel)) return;
+            const bool too_early = may_not_rest(pixel, tolerance);
+            if ((pixel.error <= tolerance && !too_early) || !may_go_on(pixel)) return;
+            samples += std::max<std::uint64_t>(pixel.taken, samples_to_come(pixel, tolerance, most_samples_));
+            if (too_early) pixel.error = std::numeric_limits<float>::infinity();  // look again, whatever it seems now
+            if (pixel.taken > first_samples_) pixel.earlier_moves = to_float(moves_of(index_of(x, y)));
             pixel.before = colour_of(index_of(x, y));
             pixel.goal = 2 * pixel.taken;
-            samples += samples_to_come(pixel, tolerance, most_samples_);
             pixels += 1;
             pixels_in_region += is_in_region(x, y);
         });
@@ -638,7 +654,9 @@ RenderReport Passes::report() {
     for (int y = region_.y0; y < region_.y1 && !pixels_.empty(); ++y)
         for (int x = region_.x0; x < region_.x1; ++x) {
             Pixel& pixel = pixels_[index_of(x, y)];
-            if (plan_.samples > 0 && pixel.taken > 0) pixel.error = static_cast<float>(estimated_error(x, y));
+            // Pixels that were stopped before they were looked at again have something to tell, too.
+            const bool tells = plan_.samples > 0 ? pixel.taken > 0 : pixel.taken >= first_samples_ && std::isinf(pixel.error);
+            if (tells) pixel.error = static_cast<float>(estimated_error(x, y));
             if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = pixel.error;
             report.samples += pixel.taken;
             report.within_error += pixel.error <= plan_.error;

@@ -5,12 +5,12 @@
 //
 // - Preview (on demand): one ray for each block of pixels, blocks from coarse to fine; overwritten later.
 // - With a fixed number of samples: one pass in which every pixel takes all of them.
-// - Adaptive: a first pass takes a few samples of every pixel. Then, again and again, every pixel whose estimated error
-//   is above the tolerance doubles its samples, where the estimates of a pass are made from the state *between* passes.
-//   Whether a pixel goes on in pass k depends on its neighbours after pass k-1, those on theirs after pass k-2 …, never
-//   on tiles. A region therefore renders a margin around itself: pixels at distance d take part in the first K-d of at
-//   most K passes, and every pixel of the region ends bit for bit as in the full picture. Margin pixels that are flat
-//   cost the first pass only.
+// - Adaptive: a first pass takes a few samples of every pixel; for small errors a second one takes as many again. Then,
+//   again and again, every pixel whose estimated error is above the tolerance doubles its samples, where the estimates of a
+//   pass are made from the state *between* passes. Whether a pixel goes on in pass k depends on its neighbours after pass
+//   k-1, those on theirs after pass k-2 …, never on tiles. A region therefore renders a margin around itself: pixels at
+//   distance d take part in the first K-d of at most K passes, and every pixel of the region ends bit for bit as in the full
+//   picture. Margin pixels that are flat cost the first passes only.
 // - Against the clock: the same with a tolerance that is halved again and again until the time is up.
 //
 // Tiles are walked along a Z-shaped curve, so that consecutive rays lie close together; they are traced in batches that

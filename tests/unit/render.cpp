@@ -149,13 +149,21 @@ TEST_CASE("layers beside colour come from the pixel's centre") {
     }
 }
 
-TEST_CASE("a flat picture takes the first samples only and is exact") {
+TEST_CASE("a flat picture takes the first samples only, for small errors twice as many, and is exact") {
     Frame frame(40, 30, {Layer::samples, Layer::error});
     const auto flat = integrand_of([](const Ray&) { return Colour{0.1, 0.2, 0.7}; });
-    for (const auto filter : {RenderSettings::Filter::box, RenderSettings::Filter::gaussian, RenderSettings::Filter::mitchell}) {
+    struct Case {
+        RenderSettings::Filter filter;
+        double error;
+        std::uint64_t samples;
+    };
+    for (const auto& [filter, error, samples] : {Case{RenderSettings::Filter::box, 0.004, 8},
+                                                 {RenderSettings::Filter::gaussian, 0.004, 8},
+                                                 {RenderSettings::Filter::mitchell, 0.004, 16},
+                                                 {RenderSettings::Filter::box, 0.01, 2}}) {
         const RenderReport report =
-            render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), adaptive(0.004), frame, {});
-        CHECK(report.samples == report.pixels * (filter == RenderSettings::Filter::mitchell ? 16 : 4));
+            render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), adaptive(error), frame, {});
+        CHECK(report.samples == report.pixels * samples);
         CHECK(report.within_error == report.pixels);
         CHECK(frame.pixel(Layer::colour, 3, 3)[0] == 0.1f);
         CHECK(frame.pixel(Layer::error, 3, 3)[0] == 0);
@@ -287,6 +295,16 @@ TEST_CASE("more time makes a better picture") {
         INFO(limit << " rays: " << error);
         CHECK(error < 0.6 * before);  // random samples would halve it
         before = error;
+    }
+}
+
+TEST_CASE("whenever the time is up, the places that are flat so far are told to be good") {
+    TimedPicture picture;
+    for (const double limit : {8000, 10000, 12000, 14000, 16000, 20000}) {
+        const auto [frame, report] = picture.render(as_good_as_time_allows(), limit);
+        INFO(limit << " rays");
+        CHECK(report.within_error > report.pixels / 16);
+        CHECK(report.within_error < report.pixels);
     }
 }
 
