@@ -178,7 +178,8 @@ private:
         if (Interruption::requested() && !record_.report->complete) return ExitCode::interrupted;
         if (!record_.report->complete)
             messages_.warning({},
-                              "the time was too short to look at every pixel once; the others are black: allow more with --time");
+                              "the time was too short to look at every pixel once; the others show what is near, or black: allow "
+                              "more with --time");
         return ExitCode::success;
     }
 
