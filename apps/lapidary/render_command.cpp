@@ -78,9 +78,11 @@ public:
     ExitCode run() {
         record_.stages.begin("load");
         Session session(arguments_.scene, messages_);
+        if (arguments_.watch) saved_.emplace().add(arguments_.scene.file);  // before it is read
         session.load();
         record_.files = session.files();
-        if (arguments_.watch) watch_files();
+        if (saved_)
+            for (const std::string& file : record_.files) saved_->add(file);
         const ExitCode code = carry_out(session);
         messages_.finish();
         record_.stages.end();
@@ -95,6 +97,7 @@ public:
     // Waits until one of the scene's files is saved. False: the user wants no more.
     bool wait_until_saved() {
         Interruption::listen();
+        if (was_saved() && !Interruption::signalled()) return true;
         console_.say("waiting until " + arguments_.scene.file.string() + " is saved");
         const auto is_closed = [](const auto& display) { return display.second->wants_to_stop(); };
         while (!was_saved()) {
@@ -105,11 +108,6 @@ public:
     }
 
 private:
-    void watch_files() {
-        saved_.emplace();
-        saved_->add(arguments_.scene.file);
-        for (const std::string& file : record_.files) saved_->add(file);
-    }
     bool was_saved() { return saved_ && saved_->changed(); }
 
     // A window that is open shows the next picture, too.
@@ -168,8 +166,8 @@ private:
         begin(info);
         Frame frame(info.width, info.height, layers());
         record_.stages.begin("render");
-        std::optional<Preparation> preparation(pictures_);
-        record_.report = render_frame(*record_.world, scene, session, info.region, frame);
+        std::optional<Preparation> preparation(std::in_place, pictures_, is_shown());
+        record_.report = render_frame(*record_.world, scene, session, info.region, *preparation, frame);
         if (was_saved()) return ExitCode::interrupted;  // nobody wants this picture any more
         record_.stages.begin("write");
         preparation.reset();
@@ -183,7 +181,8 @@ private:
         return ExitCode::success;
     }
 
-    RenderReport render_frame(const World& world, const Scene& scene, Session& session, const PixelRegion& region, Frame& frame) {
+    RenderReport render_frame(const World& world, const Scene& scene, Session& session, const PixelRegion& region,
+                              Preparation& preparation, Frame& frame) {
         Interruption::listen();
         RenderOptions options;
         options.threads = arguments_.threads.value_or(session.configurations().threads().value_or(0));
@@ -195,6 +194,7 @@ private:
         options.sequence = arguments_.sequence;
         options.preview = is_shown();
         options.cancel = &Interruption::requested();
+        options.on_begin = [&preparation] { preparation.begin(); };
         options.on_tile = [this](const Frame& finished, const PixelRegion& tile) {
             for (PictureFile& picture : pictures_) picture.output->tile(finished, tile);
         };

@@ -214,6 +214,7 @@ private:
     std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
     bool wants_layers_ = false;
 
+    std::atomic<bool> has_begun_{false};
     std::atomic<std::uint64_t> taken_samples_{0};
     std::atomic<double> processor_seconds_{0};
     std::uint64_t expected_samples_ = 0;  // as far as is known between passes
@@ -335,6 +336,7 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
             const double begin = processor_time();
+            if (options_.on_begin && !has_begun_.exchange(true)) options_.on_begin();
             for (std::size_t i = range.begin(); i != range.end() && !is_stopped(); ++i) body(tiles[i]);
             processor_seconds_ += processor_time() - begin;
         },
