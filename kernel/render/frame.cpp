@@ -37,21 +37,24 @@ Frame::Frame(int width, int height, LayerSet layers) : width_(width), height_(he
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     for (std::size_t i = 0; i < data_.size(); ++i) {
         const auto layer = static_cast<Layer>(i);
-        if (layers.has(layer)) data_[i].assign(pixels * static_cast<std::size_t>(channels_of(layer)), 0.0f);
+        if (layers.has(layer)) data_[i].resize(pixels * static_cast<std::size_t>(channels_of(layer)));
     }
 }
 
-std::span<float> Frame::pixel(Layer layer, int x, int y) {
+std::span<float> Frame::row(Layer layer, int x0, int x1, int y) {
     const auto channels = static_cast<std::size_t>(channels_of(layer));
-    const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-    return std::span(data_[static_cast<std::size_t>(layer)]).subspan(index * channels, channels);
+    return std::span(data_[static_cast<std::size_t>(layer)])
+        .subspan(index_of(x0, y) * channels, static_cast<std::size_t>(x1 - x0) * channels);
 }
 
-std::span<const float> Frame::pixel(Layer layer, int x, int y) const {
+std::span<const float> Frame::row(Layer layer, int x0, int x1, int y) const {
     const auto channels = static_cast<std::size_t>(channels_of(layer));
-    const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-    return std::span(data_[static_cast<std::size_t>(layer)]).subspan(index * channels, channels);
+    return std::span(data_[static_cast<std::size_t>(layer)])
+        .subspan(index_of(x0, y) * channels, static_cast<std::size_t>(x1 - x0) * channels);
 }
+
+std::span<float> Frame::pixel(Layer layer, int x, int y) { return row(layer, x, x + 1, y); }
+std::span<const float> Frame::pixel(Layer layer, int x, int y) const { return row(layer, x, x + 1, y); }
 
 std::span<const float> Frame::layer(Layer layer) const { return data_[static_cast<std::size_t>(layer)]; }
 

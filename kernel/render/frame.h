@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <new>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -45,6 +47,21 @@ private:
     std::uint32_t bits_ = 0;
 };
 
+// Memory that is zero because the system gives it so: pages that nothing is written to are never made, and the others by the
+// threads that write to them.
+template <class T>
+struct ZeroMemory {
+    using value_type = T;
+    T* allocate(std::size_t count) {
+        if (void* const memory = std::calloc(count, sizeof(T))) return static_cast<T*>(memory);
+        throw std::bad_alloc();
+    }
+    void deallocate(T* memory, std::size_t) { std::free(memory); }
+    template <class U>
+    void construct(U*) {}  // it is zero already
+    bool operator==(const ZeroMemory&) const = default;
+};
+
 class LAPIDARY_API Frame {
 public:
     // Colour is always kept; other layers only where asked for.
@@ -57,6 +74,9 @@ public:
     // The channels of one pixel of a layer that is kept.
     std::span<float> pixel(Layer layer, int x, int y);
     std::span<const float> pixel(Layer layer, int x, int y) const;
+    // The channels of pixels x0 <= x < x1 of a row.
+    std::span<float> row(Layer layer, int x0, int x1, int y);
+    std::span<const float> row(Layer layer, int x0, int x1, int y) const;
     // A whole layer: width * height * channels_of(layer) floats.
     std::span<const float> layer(Layer layer) const;
 
@@ -70,8 +90,12 @@ public:
     bool is_complete() const { return complete_; }
 
 private:
+    std::size_t index_of(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+
     int width_, height_;
-    std::array<std::vector<float>, layer_count> data_;
+    std::array<std::vector<float, ZeroMemory<float>>, layer_count> data_;
     std::atomic<std::size_t> finished_{0};
     std::atomic<double> progress_{0};
     bool complete_ = false;

@@ -485,9 +485,10 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
             worker.integrand->trace({&packet, 1}, {&sample, 1}, false);
             if (is_cancelled()) return;
             if (!is_finite(sample.colour)) continue;
-            for (int py = painted.y0; py < painted.y1; ++py)
-                for (int px = painted.x0; px < painted.x1; ++px)
-                    store(frame_.pixel(Layer::colour, px, py), sample.colour.r, sample.colour.g, sample.colour.b);
+            for (int py = painted.y0; py < painted.y1; ++py) {
+                std::span<float> row = frame_.row(Layer::colour, painted.x0, painted.x1, py);
+                for (; !row.empty(); row = row.subspan(3)) store(row, sample.colour.r, sample.colour.g, sample.colour.b);
+            }
         }
     announce(tile);
 }
