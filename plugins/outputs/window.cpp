@@ -16,6 +16,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdlib>
 #include <future>
 #include <mutex>
@@ -60,24 +61,40 @@ public:
         contents_.clear();
         legend_ = info.legend;
         changed_ = whole();
+        to_come_ = static_cast<long>(info.region.width()) * info.region.height();
     }
 
     void take(const Frame& frame, const PixelRegion& region) {
         const std::scoped_lock lock(mutex_);
-        for (int y = region.y0; y < region.y1; ++y)
-            for (int x = region.x0; x < region.x1; ++x) {
-                const auto rgb = frame.pixel(Layer::colour, x, y);
-                colours_[index(x, y)] = {rgb[0], rgb[1], rgb[2]};
-                encode(index(x, y));
-                take_content(frame, x, y);
-            }
+        for (int y = region.y0; y < region.y1; ++y) {
+            const std::span<const float> row = frame.row(Layer::colour, region.x0, region.x1, y);
+            for (std::size_t i = 0, pixel = index(region.x0, y); i < row.size(); i += 3, ++pixel)
+                colours_[pixel] = {row[i], row[i + 1], row[i + 2]};
+            encode(index(region.x0, y), index(region.x1, y));
+            // A coarse first view tells of no objects.
+            if (to_come_ <= 0) take_contents(frame, region.x0, region.x1, y);
+        }
         changed_ = bounds(changed_, region);
+        if (to_come_ <= 0) return;
+        to_come_ -= static_cast<long>(region.width()) * region.height();
+        if (to_come_ <= 0) first_view_.notify_one();
+    }
+
+    // Until a first view of the whole picture is there, but no longer than that.
+    void wait_for_first_view(std::chrono::milliseconds longest) {
+        std::unique_lock lock(mutex_);
+        const bool is_there = to_come_ <= 0;
+        first_view_.wait_for(lock, longest, [&] { return !is_there && to_come_ <= 0; });
+    }
+    bool has_first_view() const {
+        const std::scoped_lock lock(mutex_);
+        return to_come_ <= 0;
     }
 
     void expose(double exposure) {
         const std::scoped_lock lock(mutex_);
         exposure_ = static_cast<float>(exposure);
-        for (std::size_t i = 0; i < colours_.size(); ++i) encode(i);
+        encode(0, colours_.size());
         changed_ = whole();
     }
 
@@ -117,28 +134,33 @@ private:
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(shown_.width) + static_cast<std::size_t>(x);
     }
 
-    // A coarse first view tells of no objects and need not wait for their memory.
-    void take_content(const Frame& frame, int x, int y) {
-        const Content content{number(frame, Layer::object, x, y), number(frame, Layer::material, x, y)};
-        if (contents_.empty()) {
-            if (content.object == 0 && content.material == 0) return;
+    // As soon as there are some: coarse views need not wait for their memory.
+    void take_contents(const Frame& frame, int x0, int x1, int y) {
+        if (!frame.has(Layer::object) || !frame.has(Layer::material)) return;
+        const auto objects = frame.row(Layer::object, x0, x1, y), materials = frame.row(Layer::material, x0, x1, y);
+        for (std::size_t i = 0, pixel = index(x0, y); i < objects.size(); ++i, ++pixel) {
+            const Content content{static_cast<std::int32_t>(objects[i]), static_cast<std::int32_t>(materials[i])};
+            if (contents_.empty() && content.object == 0 && content.material == 0) continue;
             contents_.resize(colours_.size());
+            contents_[pixel] = content;
         }
-        contents_[index(x, y)] = content;
-    }
-
-    static std::int32_t number(const Frame& frame, Layer layer, int x, int y) {
-        return frame.has(layer) ? static_cast<std::int32_t>(frame.pixel(layer, x, y)[0]) : 0;
     }
 
     static const std::string& name(const std::vector<std::string>& names, int number) {
         return names[number >= 0 && static_cast<std::size_t>(number) < names.size() ? static_cast<std::size_t>(number) : 0];
     }
 
-    void encode(std::size_t pixel) {
-        const auto& [r, g, b] = colours_[pixel];
-        std::uint8_t* const bytes = &shown_.bytes[4 * pixel];
-        bytes[0] = encoded(b), bytes[1] = encoded(g), bytes[2] = encoded(r), bytes[3] = 255;
+    // Pixels first to last. Where one is like the one before it, as in coarse views, it is shown alike.
+    void encode(std::size_t first, std::size_t last) {
+        for (std::size_t pixel = first; pixel < last; ++pixel) {
+            std::uint8_t* const bytes = &shown_.bytes[4 * pixel];
+            if (pixel > first && colours_[pixel] == colours_[pixel - 1]) {
+                std::copy_n(bytes - 4, 4, bytes);
+                continue;
+            }
+            const auto& [r, g, b] = colours_[pixel];
+            bytes[0] = encoded(b), bytes[1] = encoded(g), bytes[2] = encoded(r), bytes[3] = 255;
+        }
     }
 
     // By a table: the eye does not see the difference to the curve itself, and the whole picture is shown often.
@@ -162,6 +184,8 @@ private:
     float exposure_ = 1;
     std::shared_ptr<const Legend> legend_;
     PixelRegion changed_;  // since it was given last
+    long to_come_ = 0;     // pixels of the first view
+    std::condition_variable first_view_;
 };
 
 // What goes wrong in SDL is a sentence.
@@ -185,7 +209,10 @@ struct Sdl {
         // Not what SDL draws where nobody sees it; SDL_VIDEODRIVER still knows better.
         const char* const wayland = std::getenv("WAYLAND_DISPLAY");
         SDL_SetHint(SDL_HINT_VIDEODRIVER, wayland && *wayland ? "wayland,x11" : "x11");
+        // SDL's own handler ends the program, and so does the one that Xlib has.
+        survive_x11_errors();
         if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) fail("there is no display");
+        survive_x11_errors();
     }
     ~Sdl() {
         if (!is_taken_away) SDL_QuitSubSystem(SDL_INIT_VIDEO);
@@ -207,7 +234,7 @@ public:
         if (!window_) fail("no window can be opened");
         renderer_.reset(SDL_CreateRenderer(window_.get(), -1, SDL_RENDERER_SOFTWARE));
         if (!renderer_) fail("nothing can be drawn into a window");
-        survive_x11_errors(window_.get(), sdl_.is_taken_away);
+        survive_the_end_of_x11(window_.get(), sdl_.is_taken_away);
     }
     ~Show() {
         if (!sdl_.is_taken_away) return;
@@ -219,13 +246,14 @@ public:
     Show& operator=(const Show&) = delete;
 
     // Handles what has happened within a short time, and shows what is new. False: the user wants no more.
+    //
+    // SDL could wait, too, but wakes itself by messages to the window on a second connection to the display: one that comes
+    // after the window's end is an error, and one after the display's end is the end of the program.
     bool step(const std::string& progress) {
+        canvas_.wait_for_first_view(std::chrono::milliseconds(10));
         SDL_Event event;
-        bool more = SDL_WaitEventTimeout(&event, 20) == 1;
-        while (more) {
+        while (SDL_PollEvent(&event) == 1)
             if (!handle(event)) return false;
-            more = SDL_PollEvent(&event) == 1;
-        }
         if (sdl_.is_taken_away) return false;
         draw();
         show_title(progress);
@@ -296,6 +324,8 @@ private:
     void draw() {
         const auto begin = Clock::now();
         if (begin < next_draw_) return;
+        // Parts of it are worth showing only where the whole lets wait for itself.
+        if (begin < show_parts_from_ && !canvas_.has_first_view()) return;
         const bool is_new = canvas_.give_changes([this](const Shown& shown, const PixelRegion& region) { load(shown, region); });
         if (!is_new && !std::exchange(uncovered_, false)) return;
         SDL_RenderClear(renderer_.get());
@@ -361,7 +391,7 @@ private:
     SdlTexture texture_;
     int texture_width_ = 0, texture_height_ = 0;
     bool uncovered_ = false;  // something of it, by another window
-    Clock::time_point next_draw_;
+    Clock::time_point next_draw_, show_parts_from_ = Clock::now() + std::chrono::milliseconds(100);
     int half_stops_ = 0;
     std::optional<std::pair<int, int>> mouse_;
 };

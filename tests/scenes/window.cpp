@@ -47,19 +47,16 @@ bool wait(Condition condition) {
 }
 
 // A display without a screen, gone after the test.
-//
-// The tests in a real window are run on demand, `lapidary_scenes_tests "[display]"`: beside many others, one run in ten finds
-// its window deaf or missing.
 class VirtualDisplay {
 public:
     VirtualDisplay() {
-        // Xvfb chooses a free number and tells it.
-        const RunResult started =
-            run(fmt::format("cd {0}; Xvfb -displayfd 3 -screen 0 640x480x24 -fbdir . -nolisten tcp 3>number >/dev/null 2>&1 & "
-                            "echo $! > {0}/process; "
-                            "for i in $(seq 600); do [ -s {0}/number ] && [ $(wc -l <{0}/number) = 1 ] && break; sleep 0.1; "
-                            "done; cat {0}/number {0}/process",
-                            quoted(folder_.path())));
+        // Xvfb chooses a free number and tells it. It must not begin anew whenever the last client has gone.
+        const RunResult started = run(fmt::format(
+            "cd {0}; Xvfb -displayfd 3 -screen 0 640x480x24 -fbdir . -nolisten tcp -noreset 3>number >/dev/null 2>&1 & "
+            "echo $! > {0}/process; "
+            "for i in $(seq 600); do [ -s {0}/number ] && [ $(wc -l <{0}/number) = 1 ] && break; sleep 0.1; "
+            "done; cat {0}/number {0}/process",
+            quoted(folder_.path())));
         std::size_t end = 0;
         number_ = std::stoi(started.output, &end);
         process_ = std::stoi(started.output.substr(end));
@@ -105,15 +102,16 @@ public:
             quoted(folder.path()), display.variable(), quoted(LAPIDARY_PROGRAM), options));
     }
     ~Show() {
-        press("Escape");
+        if (!is_over()) press("Escape");
         wait_for("status");
     }
 
     std::string title() const { return display_.tool("xdotool search --name '^ball' getwindowname").output; }
-    // By the server's own keyboard. A key sent to the window itself would be two messages, down and up, and the second one
-    // would find no window where the first one closed it.
+    // By the server's own keyboard, as soon as that belongs to the window. A key sent to the window itself would be two
+    // messages, down and up, and the second one would find no window where the first one closed it.
     void press(const std::string& key) const {
-        display_.tool("sh -c 'xdotool search --name ^ball windowfocus && xdotool key " + key + "'");
+        const auto has_focus = [&] { return display_.tool("xdotool getwindowfocus getwindowname").output.starts_with("ball"); };
+        if (wait([&] { return has_focus() || is_over(); })) display_.tool("xdotool key " + key);
     }
     // As editors do: at once.
     void save(const std::string& scene) const { fs::rename(folder.write("saved.scene", scene), folder.path() / "ball.scene"); }
@@ -122,8 +120,13 @@ public:
     bool wait_for_title(const std::string& part) const {
         return wait([&] { return contains(title(), part); });
     }
+    bool has(const std::string& file) const {
+        std::error_code missing;
+        const auto size = fs::file_size(folder.path() / file, missing);
+        return !missing && size > 0;
+    }
     bool wait_for(const std::string& file) const {
-        return wait([&] { return fs::exists(folder.path() / file) && fs::file_size(folder.path() / file) > 0; });
+        return wait([&] { return has(file); });
     }
     std::string text(const std::string& file) const {
         std::ifstream stream(folder.path() / file);
@@ -133,6 +136,8 @@ public:
     TemporaryFolder folder;
 
 private:
+    bool is_over() const { return has("status"); }
+
     const VirtualDisplay& display_;
 };
 
@@ -151,7 +156,7 @@ std::array<int, 3> colour_at(const Picture& picture, int x, int y) {
     return colour;
 }
 
-TEST_CASE("the window shows the picture, tells of pixels, saves, and closes on Escape", "[.display]") {
+TEST_CASE("the window shows the picture, tells of pixels, saves, and closes on Escape") {
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "");
@@ -176,7 +181,7 @@ TEST_CASE("the window shows the picture, tells of pixels, saves, and closes on E
     CHECK(show.text("said") == "");
 }
 
-TEST_CASE("what is on the screen is the picture", "[.display]") {
+TEST_CASE("what is on the screen is the picture") {
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "");
@@ -187,7 +192,7 @@ TEST_CASE("what is on the screen is the picture", "[.display]") {
     CHECK(display.colour_at(320 - 95, 240 - 70) == std::array{0, 0, 255});
 }
 
-TEST_CASE("the option --watch shows the scene anew in the same window when it is saved", "[.display]") {
+TEST_CASE("the option --watch shows the scene anew in the same window when it is saved") {
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "--watch");
@@ -221,7 +226,7 @@ TEST_CASE("the option --watch shows the scene anew in the same window when it is
     CHECK(show.text("status") == "0\n");
 }
 
-TEST_CASE("Escape stops a render: what is done is written, and the status says interrupted", "[.display]") {
+TEST_CASE("Escape stops a render: what is done is written, and the status says interrupted") {
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "--samples 800 --resolution 640x480");  // many tiles: the time that is left is soon known
@@ -234,7 +239,7 @@ TEST_CASE("Escape stops a render: what is done is written, and the status says i
     CHECK(fs::exists(show.folder.path() / "ball.png"));
 }
 
-TEST_CASE("a window that is taken away was closed: what is done is written", "[.display]") {
+TEST_CASE("a window that is taken away was closed: what is done is written") {
     if (!can_show()) return;
     const std::string way = GENERATE(as<std::string>{}, "destroyed", "cut off", "without display");
     CAPTURE(way);

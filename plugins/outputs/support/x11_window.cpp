@@ -17,10 +17,13 @@ bool find(SDL_Window* window, SDL_SysWMinfo& info) {
 
 }  // namespace
 
-void survive_x11_errors(SDL_Window* window, std::atomic<bool>& lost) {
+void survive_x11_errors() {
+    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
+}
+
+void survive_the_end_of_x11(SDL_Window* window, std::atomic<bool>& lost) {
     SDL_SysWMinfo info;
     if (!find(window, info)) return;
-    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
     XSetIOErrorHandler([](Display*) { return 0; });  // the one that is there complains on the terminal
     const auto tell = [](Display*, void* flag) { *static_cast<std::atomic<bool>*>(flag) = true; };
     XSetIOErrorExitHandler(info.info.x11.display, tell, &lost);

@@ -11,9 +11,13 @@ struct SDL_Window;
 
 namespace lapidary {
 
-// From now on a request that fails is without consequence, and `lost` becomes true when the connection breaks; then
-// every request fails. Does nothing for a window of another system.
-void survive_x11_errors(SDL_Window* window, std::atomic<bool>& lost);
+// From now on a request that fails is without consequence. SDL puts back at its end what it found at its beginning: to be
+// called before that, too.
+void survive_x11_errors();
+
+// When the connection to the window's display breaks, `lost` becomes true, and every request fails. Does nothing for a window
+// of another system.
+void survive_the_end_of_x11(SDL_Window* window, std::atomic<bool>& lost);
 
 // Whether the event tells that this window was destroyed from outside.
 bool is_destruction(const SDL_Event& event, SDL_Window* window);
