@@ -44,6 +44,34 @@ std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std
     return left;
 }
 
+// Intersects spans with others; returns how many are not empty.
+std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __restrict other_out, Lanes& __restrict in,
+                             Lanes& __restrict out) {
+    std::int64_t left = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        in[i] = other_in[i] > in[i] ? other_in[i] : in[i];
+        out[i] = other_out[i] < out[i] ? other_out[i] : out[i];
+        left += in[i] < out[i];
+    }
+    return left;
+}
+
+// The surfaces that ends of spans are on: of the later of two entries, and of the earlier of two exits; -1 for both at once.
+void name_later(const Lanes& __restrict in, const Lanes& __restrict other, std::int64_t surface,
+                PacketThroughSolid::LeafLanes& __restrict name) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const std::int64_t kept = other[i] == in[i] ? -1 : name[i];
+        name[i] = other[i] > in[i] ? surface : kept;
+    }
+}
+void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, std::int64_t surface,
+                  PacketThroughSolid::LeafLanes& __restrict name) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const std::int64_t kept = other[i] == out[i] ? -1 : name[i];
+        name[i] = other[i] < out[i] ? surface : kept;
+    }
+}
+
 }  // namespace
 
 PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
@@ -288,18 +316,15 @@ void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
 void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces) {
     for (int i = 0; i < width; ++i) in[i] = -infinity, out[i] = infinity;
     if (faces) faces->in_face.fill(-1), faces->out_face.fill(-1);
-    for (std::int64_t s = 0; s < leaf.surface_count; ++s) {
+    std::int64_t left = 1;
+    for (std::int64_t s = 0; s < leaf.surface_count && left > 0; ++s) {
         Lanes surface_in, surface_out;
         surface_spans(world_.surface_uses[leaf.first_surface + s], surface_in, surface_out);
-        for (int i = 0; faces && i < width; ++i) {
-            std::int64_t &in_face = faces->in_face[i], &out_face = faces->out_face[i];
-            in_face = surface_in[i] > in[i] ? s : surface_in[i] == in[i] ? -1 : in_face;
-            out_face = surface_out[i] < out[i] ? s : surface_out[i] == out[i] ? -1 : out_face;
+        if (faces) {
+            name_later(in, surface_in, s, faces->in_face);
+            name_earlier(out, surface_out, s, faces->out_face);
         }
-        for (int i = 0; i < width; ++i) {
-            in[i] = surface_in[i] > in[i] ? surface_in[i] : in[i];
-            out[i] = surface_out[i] < out[i] ? surface_out[i] : out[i];
-        }
+        left = intersect_spans(surface_in, surface_out, in, out);
     }
     for (int i = 0; i < width; ++i)
         if (!(in[i] < out[i])) in[i] = infinity, out[i] = -infinity;

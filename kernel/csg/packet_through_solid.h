@@ -44,7 +44,7 @@ public:
     struct Changes {
         Lanes t;
         LeafLanes leaf;
-        LeafLanes face;  // of a leaf that shares faces: which of its surfaces
+        LeafLanes face;  // of a leaf that shares faces: which of its surfaces; else without meaning
         unsigned inside, doubtful;
     };
     void next_change(const Solid& solid, const Lanes& limit, Changes& changes);
@@ -86,6 +86,7 @@ private:
 
     // The functions of LineThroughSolid, for all lanes, over the spans of all leaves of a solid that fits lanes.
     void ask_leaves(const Solid& solid);
+    void next_change_of_leaf(std::int32_t leaf, const Lanes& limit, Changes& changes) const;
     void enter(std::int32_t node, Lanes& t) const;
     void leave(std::int32_t node, Lanes& t) const;
     void hold(std::int32_t node, const Lanes& t, Lanes& held) const;

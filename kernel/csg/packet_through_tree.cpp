@@ -10,6 +10,10 @@ namespace lapidary {
 namespace {
 
 constexpr int width = PacketThroughSolid::width;
+using LeafLanes = PacketThroughSolid::LeafLanes;
+
+// Loops over lanes stand apart from all else, without branches and with nothing that overlaps: so they become vector
+// instructions.
 
 void take_lesser(const Lanes& __restrict other, Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) t[i] = other[i] < t[i] ? other[i] : t[i];
@@ -21,32 +25,107 @@ bool differ(const Lanes& a, const Lanes& b) {
     return different > 0;
 }
 
+void enter_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
+    for (int i = 0; i < width; ++i) {
+        const double later = in[i] > t[i] ? in[i] : t[i];
+        t[i] = t[i] < out[i] ? later : infinity;
+    }
+}
+
+void leave_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
+    for (int i = 0; i < width; ++i) {
+        const bool held = both(in[i] <= t[i], t[i] < out[i]);
+        t[i] = held ? out[i] : t[i];
+    }
+}
+
+void hold_span(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict t, Lanes& __restrict held) {
+    for (int i = 0; i < width; ++i) held[i] = both(in[i] <= t[i], t[i] < out[i]) ? 1 : 0;
+}
+
+void hold_both(const Lanes& __restrict other, Lanes& __restrict held) {
+    for (int i = 0; i < width; ++i) held[i] = held[i] * other[i];
+}
+void hold_without(const Lanes& __restrict other, Lanes& __restrict held) {
+    for (int i = 0; i < width; ++i) held[i] = held[i] * (1 - other[i]);
+}
+void hold_either(const Lanes& __restrict other, Lanes& __restrict held) {
+    for (int i = 0; i < width; ++i) held[i] = held[i] > other[i] ? held[i] : other[i];
+}
+
+// The lanes among the first `count` whose flag is not 0: bit i for lane i.
 unsigned bits_of(const Lanes& flags, int count) {
-    unsigned bits = 0;
-    for (int i = 0; i < count; ++i) bits |= static_cast<unsigned>(flags[i] != 0) << i;
-    return bits;
+    std::int64_t bits = 0;
+    for (int i = 0; i < width; ++i) bits += flags[i] != 0 ? std::int64_t{1} << i : 0;
+    return static_cast<unsigned>(bits) & ((1U << count) - 1);
+}
+
+void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, const Lanes& __restrict limit, Lanes& __restrict t) {
+    for (int i = 0; i < width; ++i) {
+        const double change = inside[i] != 0 ? way_out[i] : t[i];
+        t[i] = change <= limit[i] ? change : infinity;
+    }
+}
+
+// Counts the leaves with an end at t.
+void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
+                LeafLanes& __restrict leaf, LeafLanes& __restrict ends) {
+    for (int i = 0; i < width; ++i) {
+        const bool ends_here = either(in[i] == t[i], out[i] == t[i]);
+        leaf[i] = ends_here ? index : leaf[i];
+        ends[i] += ends_here ? 1 : 0;
+    }
+}
+
+// The end of a span behind 0, and the lanes that are inside at 0.
+unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict limit, Lanes& __restrict t) {
+    std::int64_t inside = 0;
+    for (int i = 0; i < width; ++i) {
+        const bool is_inside = both(in[i] <= 0, 0 < out[i]);
+        const double next = is_inside ? out[i] : (0 < out[i]) ? in[i] : infinity;
+        t[i] = next <= limit[i] ? next : infinity;
+        inside += is_inside ? std::int64_t{1} << i : 0;
+    }
+    return static_cast<unsigned>(inside);
+}
+
+void choose_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
+                  PacketThroughSolid::Changes& __restrict changes) {
+    for (int i = 0; i < width; ++i) changes.face[i] = in[i] == changes.t[i] ? in_face[i] : out_face[i];
+}
+
+void find_further(double rounding, const Lanes& __restrict t, Lanes& __restrict further) {
+    for (int i = 0; i < width; ++i) further[i] = t[i] + sliver_length(rounding, t[i]);
 }
 
 }  // namespace
 
 void PacketThroughSolid::next_change(const Solid& solid, const Lanes& limit, Changes& changes) {
     ask_leaves(solid);
-    Lanes start, inside, out;
+    if (solid.leaf_count == 1) {
+        next_change_of_leaf(solid.first_leaf, limit, changes);
+        return;
+    }
+    Lanes start, inside;
     start.v.fill(0);
     hold(solid.root, start, inside);
     changes.t = start;
     enter(solid.root, changes.t);
+    Lanes way_out = start;
     changes.inside = bits_of(inside, rays_->count);
-    if (changes.inside != 0) {
-        out = start;
-        leave(solid.root, out);
-        for (int i = 0; i < width; ++i) changes.t[i] = inside[i] != 0 ? out[i] : changes.t[i];
-    }
-    for (int i = 0; i < width; ++i) {
-        changes.t[i] = changes.t[i] <= limit[i] ? changes.t[i] : infinity;
-    }
-    changes.doubtful = solid.leaf_count > 1 ? find_doubtful(solid, inside, changes.t) : 0;
+    if (changes.inside != 0) leave(solid.root, way_out);
+    choose(inside, way_out, limit, changes.t);
+    changes.doubtful = find_doubtful(solid, inside, changes.t);
     find_changing_leaves(solid, changes);
+}
+
+// One span: no tree to be followed, nothing that could be a sliver.
+void PacketThroughSolid::next_change_of_leaf(std::int32_t index, const Lanes& limit, Changes& changes) const {
+    const LeafSpans& of_leaf = leaf_spans_.front();
+    changes.inside = next_end(of_leaf.in, of_leaf.out, limit, changes.t) & ((1U << rays_->count) - 1);
+    changes.doubtful = 0;
+    changes.leaf.fill(index);
+    if (world_.leaves[index].first_surface >= 0) choose_faces(of_leaf.in, of_leaf.in_face, of_leaf.out_face, changes);
 }
 
 PacketThroughSolid::FirstChange PacketThroughSolid::next_change_of_single(const Solid& solid, int lane) {
@@ -63,13 +142,14 @@ void PacketThroughSolid::ask_leaves(const Solid& solid) {
     }
 }
 
-// A cell that ends within a sliver's length may be one.
+// A cell that ends within a sliver's length may be one. Nothing is at infinity.
 unsigned PacketThroughSolid::find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const {
-    Lanes further, held, doubtful;
-    for (int i = 0; i < width; ++i) further[i] = t[i] < infinity ? t[i] + sliver_length(solid.rounding, t[i]) : infinity;
+    Lanes further, held;
+    find_further(solid.rounding, t, further);
     hold(solid.root, further, held);
-    for (int i = 0; i < width; ++i) doubtful[i] = t[i] < infinity && held[i] == inside[i] ? 1 : 0;
-    return bits_of(doubtful, rays_->count);
+    std::int64_t bits = 0;
+    for (int i = 0; i < width; ++i) bits += both(t[i] < infinity, held[i] == inside[i]) ? std::int64_t{1} << i : 0;
+    return static_cast<unsigned>(bits) & ((1U << rays_->count) - 1);
 }
 
 // The leaf with an end of its span at t, where it is the only one: no other can be what changes there.
@@ -79,11 +159,7 @@ void PacketThroughSolid::find_changing_leaves(const Solid& solid, Changes& chang
     for (std::int32_t l = 0; l < solid.leaf_count; ++l) {
         const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(l)];
         const std::int64_t index = solid.first_leaf + l;
-        for (int i = 0; i < width; ++i) {
-            const bool ends_here = of_leaf.in[i] == changes.t[i] || of_leaf.out[i] == changes.t[i];
-            changes.leaf[i] = ends_here ? index : changes.leaf[i];
-            ends[i] += ends_here ? 1 : 0;
-        }
+        count_ends(of_leaf.in, of_leaf.out, index, changes.t, changes.leaf, ends);
         if (world_.leaves[index].first_surface < 0) continue;
         for (int i = 0; i < width; ++i) {
             const std::int64_t face = of_leaf.in[i] == changes.t[i] ? of_leaf.in_face[i] : of_leaf.out_face[i];
@@ -99,10 +175,7 @@ void PacketThroughSolid::enter(std::int32_t index, Lanes& t) const {
     switch (node.operation) {
         case Operation::leaf: {
             const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
-            for (int i = 0; i < width; ++i) {
-                const double in = of_leaf.in[i] > t[i] ? of_leaf.in[i] : t[i];
-                t[i] = t[i] < of_leaf.out[i] ? in : infinity;
-            }
+            enter_span(of_leaf.in, of_leaf.out, t);
             return;
         }
         case Operation::union_:
@@ -140,10 +213,7 @@ void PacketThroughSolid::leave(std::int32_t index, Lanes& t) const {
     switch (node.operation) {
         case Operation::leaf: {
             const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
-            for (int i = 0; i < width; ++i) {
-                const bool held = of_leaf.in[i] <= t[i] && t[i] < of_leaf.out[i];
-                t[i] = held ? of_leaf.out[i] : t[i];
-            }
+            leave_span(of_leaf.in, of_leaf.out, t);
             return;
         }
         case Operation::union_:
@@ -178,7 +248,7 @@ void PacketThroughSolid::hold(std::int32_t index, const Lanes& t, Lanes& held) c
     const auto all = operands_of(world_, node);
     if (node.operation == Operation::leaf) {
         const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
-        for (int i = 0; i < width; ++i) held[i] = of_leaf.in[i] <= t[i] && t[i] < of_leaf.out[i] ? 1 : 0;
+        hold_span(of_leaf.in, of_leaf.out, t, held);
         return;
     }
     // All lanes are counted with: of an intersection all operands, of a subtraction the first alone, else any.
@@ -186,16 +256,12 @@ void PacketThroughSolid::hold(std::int32_t index, const Lanes& t, Lanes& held) c
     hold(all[0], t, held);
     for (std::int32_t operand : all.subspan(1)) {
         hold(operand, t, of_operand);
-        for (int i = 0; i < width; ++i) switch (node.operation) {
-                case Operation::intersection:
-                    held[i] = held[i] * of_operand[i];
-                    break;
-                case Operation::subtraction:
-                    held[i] = held[i] * (1 - of_operand[i]);
-                    break;
-                default:
-                    held[i] = held[i] > of_operand[i] ? held[i] : of_operand[i];
-            }
+        if (node.operation == Operation::intersection)
+            hold_both(of_operand, held);
+        else if (node.operation == Operation::subtraction)
+            hold_without(of_operand, held);
+        else
+            hold_either(of_operand, held);
     }
 }
 

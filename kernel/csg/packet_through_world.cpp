@@ -291,6 +291,34 @@ void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::
     for (std::size_t p = 0; p < packets.size(); ++p) finish_changes(p, changes[p]);
 }
 
+namespace {
+
+// The lanes in which a solid changes before, and where, others do.
+struct CloserLanes {
+    unsigned closer, shared;
+};
+
+CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict found, ChangePacket& __restrict changes,
+                                Lanes& __restrict limits) {
+    std::int64_t closer = 0, shared = 0;
+    for (int i = 0; i < PacketThroughWorld::width; ++i) {
+        const double first = changes.first.t[i], t = found.t[i];
+        closer += t < first ? std::int64_t{1} << i : 0;
+        shared += both(t == first, t < infinity) ? std::int64_t{1} << i : 0;
+        changes.first.t[i] = t < first ? t : first;
+        limits[i] = t < first ? t : limits[i];
+    }
+    const auto bits = static_cast<unsigned>(closer);
+    for (unsigned rest = bits; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+        changes.first.leaf[lane] = static_cast<std::int32_t>(found.leaf[lane]);
+        changes.face[lane] = static_cast<std::int32_t>(found.face[lane]);
+    }
+    return {bits, static_cast<unsigned>(shared)};
+}
+
+}  // namespace
+
 // Whether the first of two solids owns what both hold.
 bool PacketThroughWorld::takes_precedence(std::int32_t solid, std::int32_t other) const {
     if (solid < 0 || other < 0) return solid >= 0;
@@ -317,21 +345,11 @@ void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index,
         if (takes_precedence(behind, starts.second[lane])) starts.second[lane] = behind;
     }
 
-    unsigned closer = 0, shared = 0;
-    for (int i = 0; i < width; ++i) {
-        const double first = changes.first.t[i], t = found.t[i];
-        const bool is_closer = t < first;
-        closer |= static_cast<unsigned>(is_closer) << i;
-        shared |= static_cast<unsigned>(t == first && t < infinity) << i;
-        changes.first.t[i] = is_closer ? t : first;
-        changes.first.solid[i] = is_closer ? index : changes.first.solid[i];
-        changes.first.leaf[i] = is_closer ? static_cast<std::int32_t>(found.leaf[i]) : changes.first.leaf[i];
-        changes.face[i] = is_closer ? static_cast<std::int32_t>(found.face[i]) : changes.face[i];
-        limits[i] = is_closer ? t : limits[i];
-    }
-    starts.leaves_first = (starts.leaves_first & ~closer) | (found.inside & closer);
-    starts.shared = (starts.shared & ~closer) | shared;
-    if (closer != 0) set_limits(packet);
+    const CloserLanes met = take_closer_changes(found, changes, limits);
+    for (unsigned rest = met.closer; rest != 0; rest &= rest - 1) changes.first.solid[std::countr_zero(rest)] = index;
+    starts.leaves_first = (starts.leaves_first & ~met.closer) | (found.inside & met.closer);
+    starts.shared = (starts.shared & ~met.closer) | met.shared;
+    if (met.closer != 0) set_limits(packet);
 }
 
 // Of a solid that does not fit lanes, only where it counts is found: the single ray has to say what it is.

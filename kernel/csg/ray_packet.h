@@ -19,6 +19,10 @@ struct alignas(64) Lanes {
     double operator[](int lane) const { return v[static_cast<std::size_t>(lane)]; }
 };
 
+// `a && b` and `a || b` without a branch, so that loops over lanes stay vector instructions.
+inline bool both(bool a, bool b) { return (static_cast<int>(a) & static_cast<int>(b)) != 0; }
+inline bool either(bool a, bool b) { return (static_cast<int>(a) | static_cast<int>(b)) != 0; }
+
 struct VectorLanes {
     Lanes x, y, z;
     Vector operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }

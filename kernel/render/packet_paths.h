@@ -160,9 +160,11 @@ private:
     void meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first);
     void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
     void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    double index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const;
     void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
     void finish_colours_at_changes(std::size_t depth);
-    void divide_light(Wave& wave, Wave& next, const FacePacket& faces, int lane);
+    void divide_light(Wave& wave, Wave& next, const FacePacket& faces);
+    static std::optional<Vector> refracted_direction(const FacePacket& faces, int lane);
     void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
               Tracer::Implementation::Turn turn);
     Label label_of(std::int32_t solid) const;

@@ -197,7 +197,7 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         t[number] = changes.first.t[lane];
         faces.departure[number] = {index, -1, false, label_of(changes.before[lane]).owner};
         faces.cell_behind[number] = label_of(changes.after[lane]).owner;
-        if (changes.after[lane] < 0) faces.leaving |= 1u << number;
+        if (changes.after[lane] < 0) faces.leaving |= 1U << number;
         add_plain_face(wave, ray, faces, rays, t);
     }
     rays.fill_up();
@@ -249,6 +249,14 @@ void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<R
         trace_alone(wave, number, first);
 }
 
+// Of uniform matter at once.
+double PacketPaths::index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const {
+    if (solid < 0) return 1;
+    const MaterialInstance& medium = world_.materials[world_.solids[solid].medium];
+    if (!medium.is_uniform) return tracer_.index_of(label_of(solid), site, toward, known);
+    return medium.matter.is_transparent() ? medium.matter.refraction : 1;
+}
+
 void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces) {
     const MaterialInstance& material = world_.materials[shown];
     for (int i = 0; i < faces.count; ++i) {
@@ -257,17 +265,19 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
         const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
         const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
         const bool leaving = (faces.leaving >> i & 1) != 0;
-        const Matter matter = matter_beside(material, site, leaving ? -beyond : beyond);
+        Matter sampled;
+        if (!material.is_uniform) sampled = matter_beside(material, site, leaving ? -beyond : beyond);
+        const Matter& matter = material.is_uniform ? material.matter : sampled;
         faces.colour.set(i, matter.colour);
         faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
         faces.opacity[i] = matter.opacity;
-        faces.index_before[i] = faces.index_behind[i] = 1;
         if (matter.is_transparent()) {
-            const Boundary boundary = boundary_of(wave, faces.ray[i]);
-            const bool known_behind = !leaving && boundary.after.medium == shown;
-            faces.transparent |= 1u << i;
-            faces.index_behind[i] = tracer_.index_of(boundary.after, site, beyond, known_behind ? &matter : nullptr);
-            faces.index_before[i] = tracer_.index_of(boundary.before, site, -beyond, nullptr);
+            const ChangePacket& changes = wave.change(faces.ray[i]);
+            const int lane = faces.ray[i] % width;
+            faces.transparent |= 1U << i;
+            const bool known_behind = !leaving && world_.solids[changes.after[lane]].medium == shown;
+            faces.index_behind[i] = index_of(changes.after[lane], site, beyond, known_behind ? &matter : nullptr);
+            faces.index_before[i] = index_of(changes.before[lane], site, -beyond, nullptr);
         }
         if (world_.features.relief)
             faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
@@ -285,56 +295,57 @@ void PacketPaths::finish_colours_at_changes(std::size_t depth) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
     next.clear();
     wave.contributions.clear();
-    for (std::size_t p = 0; p < face_packets_; ++p) {
-        const FacePacket& faces = *faces_[p];
-        for (int i = 0; i < faces.count; ++i) divide_light(wave, next, faces, i);
+    for (std::size_t p = 0; p < face_packets_; ++p) divide_light(wave, next, *faces_[p]);
+}
+
+// All mirrored rays of a packet before the refracted ones: so these stay together.
+void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces) {
+    using Turn = Tracer::Implementation::Turn;
+    Lanes refracted_weight;
+    for (int i = 0; i < faces.count; ++i) {
+        const int ray = faces.ray[i];
+        const Colour highlight = faces.highlight[i];
+        const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + highlight;
+        const double reflection = faces.reflection[i], opacity = faces.opacity[i];
+        double mirrored_weight = reflection;
+        refracted_weight[i] = 0;
+        if (!faces.is_transparent(i)) {
+            wave.colours[ray] = (1 - reflection) * local;
+        } else if (faces.index_before[i] == faces.index_behind[i] && opacity == 0 && reflection == 0) {
+            trace_alone(wave, ray, {});
+            continue;
+        } else {
+            const double fresnel =
+                fresnel_reflectance(faces.arriving[i], Normal(faces.shading[i]), faces.index_before[i], faces.index_behind[i]);
+            const double clear = (1 - reflection) * (1 - opacity);
+            mirrored_weight = reflection + clear * fresnel;
+            refracted_weight[i] = clear * (1 - fresnel);
+            wave.colours[ray] = (1 - reflection) * (opacity * local + (1 - opacity) * highlight);
+        }
+        if (!(mirrored_weight > 0)) continue;
+        const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[i], Normal(faces.geometric[i]));
+        send(wave, next, faces, i, mirrored, mirrored_weight, Turn::mirrored);
+    }
+    if (faces.transparent == 0) return;
+    for (int i = 0; i < faces.count; ++i) {
+        if (!(refracted_weight[i] > 0)) continue;
+        if (const std::optional<Vector> direction = refracted_direction(faces, i)) {
+            send(wave, next, faces, i, *direction, refracted_weight[i], Turn::refracted);
+        } else {
+            ++tracer_.statistics.refracted_rays;
+            wave.contributions.push_back({faces.ray[i], -1, refracted_weight[i]});
+        }
     }
 }
 
-void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces, int lane) {
-    using Turn = Tracer::Implementation::Turn;
-    const int ray = faces.ray[lane];
-    const Colour highlight = faces.highlight[lane];
-    const Colour local = faces.colour[lane] * (faces.ambient[lane] + faces.diffuse[lane]) + highlight;
-    const double reflection = faces.reflection[lane];
+// A direction that a bent normal would turn back to the viewer's side is refracted at the true one.
+std::optional<Vector> PacketPaths::refracted_direction(const FacePacket& faces, int lane) {
     const Vector arriving = faces.arriving[lane];
-    const Normal shading(faces.shading[lane]), geometric(faces.geometric[lane]);
-    double mirrored_weight = reflection;
-    wave.colours[ray] = (1 - reflection) * local;
-    if (!faces.is_transparent(lane)) {
-        if (mirrored_weight > 0) {
-            const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[lane], geometric);
-            send(wave, next, faces, lane, mirrored, mirrored_weight, Turn::mirrored);
-        }
-        return;
-    }
-
-    const double opacity = faces.opacity[lane];
-    const double index_before = faces.index_before[lane], index_behind = faces.index_behind[lane];
-    if (index_before == index_behind && opacity == 0 && reflection == 0) {
-        trace_alone(wave, ray, {});
-        return;
-    }
-    const double fresnel = fresnel_reflectance(arriving, shading, index_before, index_behind);
-    const double clear = (1 - reflection) * (1 - opacity);
-    mirrored_weight = reflection + clear * fresnel;
-    const double refracted_weight = clear * (1 - fresnel);
-    wave.colours[ray] = (1 - reflection) * (opacity * local + (1 - opacity) * highlight);
-    if (mirrored_weight > 0) {
-        const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[lane], geometric);
-        send(wave, next, faces, lane, mirrored, mirrored_weight, Turn::mirrored);
-    }
-    if (refracted_weight > 0) {
-        const double eta = index_before / index_behind;
-        std::optional<Vector> direction = eta == 1 ? arriving : refract(arriving, shading, eta);
-        if (direction && dot(*direction, geometric) >= 0) direction = refract(arriving, geometric, eta);
-        if (direction) {
-            send(wave, next, faces, lane, *direction, refracted_weight, Turn::refracted);
-        } else {
-            ++tracer_.statistics.refracted_rays;
-            wave.contributions.push_back({ray, -1, refracted_weight});
-        }
-    }
+    const Normal geometric(faces.geometric[lane]);
+    const double eta = faces.index_before[lane] / faces.index_behind[lane];
+    std::optional<Vector> direction = eta == 1 ? arriving : refract(arriving, Normal(faces.shading[lane]), eta);
+    if (direction && dot(*direction, geometric) >= 0) direction = refract(arriving, geometric, eta);
+    return direction;
 }
 
 // The ray that goes on from a face, or the background where it would count too little.
