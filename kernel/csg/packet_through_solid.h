@@ -38,8 +38,8 @@ public:
     void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     // The way out of a solid that a lane starts in.
     double leave(const Solid& solid, int lane);
-    // Where the inside of a solid that fits lanes begins or ends first behind the start of every lane, the leaf whose face that
-    // is (-1: not known), and which lanes start in it, as far as their limits are not below 0. Slivers, and what rounding makes
+    // Where the inside of a solid that fits lanes begins or ends first behind `from` in every lane, the leaf whose face that
+    // is (-1: not known), and which lanes are inside just behind `from`, as far as their limits are not below 0. Slivers, and what rounding makes
     // doubtful, are left to the single ray.
     struct Changes {
         Lanes t;
@@ -47,13 +47,13 @@ public:
         LeafLanes face;  // of a leaf that shares faces: which of its surfaces; else without meaning
         unsigned inside, doubtful;
     };
-    void next_change(const Solid& solid, const Lanes& limit, Changes& changes);
+    void next_change(const Solid& solid, const Lanes& from, const Lanes& limit, Changes& changes);
     // The same of one lane, for any solid.
     struct FirstChange {
         double t;
         bool inside;
     };
-    FirstChange next_change_of_single(const Solid& solid, int lane);
+    FirstChange next_change_of_single(const Solid& solid, double from, int lane);
     // Where every lane meets a sheet that shares no plane.
     void cross_sheet(std::int32_t leaf, Lanes& t);
 
@@ -86,7 +86,7 @@ private:
 
     // The functions of LineThroughSolid, for all lanes, over the spans of all leaves of a solid that fits lanes.
     void ask_leaves(const Solid& solid);
-    void next_change_of_leaf(std::int32_t leaf, const Lanes& limit, Changes& changes) const;
+    void next_change_of_leaf(std::int32_t leaf, const Lanes& from, const Lanes& limit, Changes& changes) const;
     void enter(std::int32_t node, Lanes& t) const;
     void leave(std::int32_t node, Lanes& t) const;
     void hold(std::int32_t node, const Lanes& t, Lanes& held) const;

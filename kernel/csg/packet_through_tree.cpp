@@ -77,12 +77,13 @@ void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::in
     }
 }
 
-// The end of a span behind 0, and the lanes that are inside at 0.
-unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict limit, Lanes& __restrict t) {
+// The end of a span behind `from`, and the lanes that are inside there.
+unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict from,
+                  const Lanes& __restrict limit, Lanes& __restrict t) {
     std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) {
-        const bool is_inside = both(in[i] <= 0, 0 < out[i]);
-        const double next = is_inside ? out[i] : (0 < out[i]) ? in[i] : infinity;
+        const bool is_inside = both(in[i] <= from[i], from[i] < out[i]);
+        const double next = is_inside ? out[i] : (from[i] < out[i]) ? in[i] : infinity;
         t[i] = next <= limit[i] ? next : infinity;
         inside += is_inside ? std::int64_t{1} << i : 0;
     }
@@ -100,18 +101,17 @@ void find_further(double rounding, const Lanes& __restrict t, Lanes& __restrict 
 
 }  // namespace
 
-void PacketThroughSolid::next_change(const Solid& solid, const Lanes& limit, Changes& changes) {
+void PacketThroughSolid::next_change(const Solid& solid, const Lanes& from, const Lanes& limit, Changes& changes) {
     ask_leaves(solid);
     if (solid.leaf_count == 1) {
-        next_change_of_leaf(solid.first_leaf, limit, changes);
+        next_change_of_leaf(solid.first_leaf, from, limit, changes);
         return;
     }
-    Lanes start, inside;
-    start.v.fill(0);
-    hold(solid.root, start, inside);
-    changes.t = start;
+    Lanes inside;
+    hold(solid.root, from, inside);
+    changes.t = from;
     enter(solid.root, changes.t);
-    Lanes way_out = start;
+    Lanes way_out = from;
     changes.inside = bits_of(inside, rays_->count);
     if (changes.inside != 0) leave(solid.root, way_out);
     choose(inside, way_out, limit, changes.t);
@@ -120,18 +120,18 @@ void PacketThroughSolid::next_change(const Solid& solid, const Lanes& limit, Cha
 }
 
 // One span: no tree to be followed, nothing that could be a sliver.
-void PacketThroughSolid::next_change_of_leaf(std::int32_t index, const Lanes& limit, Changes& changes) const {
+void PacketThroughSolid::next_change_of_leaf(std::int32_t index, const Lanes& from, const Lanes& limit, Changes& changes) const {
     const LeafSpans& of_leaf = leaf_spans_.front();
-    changes.inside = next_end(of_leaf.in, of_leaf.out, limit, changes.t) & ((1U << rays_->count) - 1);
+    changes.inside = next_end(of_leaf.in, of_leaf.out, from, limit, changes.t) & ((1U << rays_->count) - 1);
     changes.doubtful = 0;
     changes.leaf.fill(index);
     if (world_.leaves[index].first_surface >= 0) choose_faces(of_leaf.in, of_leaf.in_face, of_leaf.out_face, changes);
 }
 
-PacketThroughSolid::FirstChange PacketThroughSolid::next_change_of_single(const Solid& solid, int lane) {
+PacketThroughSolid::FirstChange PacketThroughSolid::next_change_of_single(const Solid& solid, double from, int lane) {
     line_.start(rays_->ray(lane));
     line_.select(solid);
-    return {line_.next_change(0), line_.inside(0, Side::after)};
+    return {line_.next_change(from), line_.inside(from, Side::after)};
 }
 
 void PacketThroughSolid::ask_leaves(const Solid& solid) {

@@ -191,7 +191,10 @@ void PacketThroughWorld::first_boundaries(std::span<const RayPacket> packets, st
     }
     start(packets);
     for_each_solid<Order::near_first>([&](std::size_t p, std::int32_t solid) { meet_solid(p, solid, boundaries[p]); });
-    for (std::size_t p = 0; p < packets.size(); ++p) meet_sheets(p, boundaries[p]);
+    if (world_.sheets.empty()) return;
+    Lanes from;
+    from.v.fill(0);
+    for (std::size_t p = 0; p < packets.size(); ++p) meet_sheets(p, from, boundaries[p]);
 }
 
 // Of boundaries at the same place, that of the solid written first counts.
@@ -223,7 +226,8 @@ void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, Boun
     if (closer > 0) set_limits(packet);
 }
 
-void PacketThroughWorld::meet_sheets(std::size_t packet, BoundaryPacket& boundaries) {
+// Behind `from`.
+void PacketThroughWorld::meet_sheets(std::size_t packet, const Lanes& from, BoundaryPacket& boundaries) {
     const RayPacket& rays = packets_[packet];
     for (const Sheet& sheet : world_.sheets) {
         const bool simple = sheet.conditions.empty() && world_.leaves[sheet.leaf].first_surface < 0;
@@ -234,8 +238,8 @@ void PacketThroughWorld::meet_sheets(std::size_t packet, BoundaryPacket& boundar
             first.t = boundaries.t[i], first.solid = boundaries.solid[i], first.leaf = boundaries.leaf[i];
             if (!simple) {
                 single_.start(rays.ray(i));
-                single_.meet_sheet(sheet, 0, first);
-            } else if (t[i] > 0 && t[i] < infinity && comes_before(sheet, t[i], first)) {
+                single_.meet_sheet(sheet, from[i], first);
+            } else if (t[i] > from[i] && t[i] < infinity && comes_before(sheet, t[i], first)) {
                 first = {t[i], -1, sheet.leaf, {}, {}};
             }
             boundaries.t[i] = first.t, boundaries.solid[i] = first.solid, boundaries.leaf[i] = first.leaf;
@@ -276,8 +280,15 @@ unsigned PacketThroughWorld::blocked(std::span<const RayPacket> packets, std::sp
 // ---- transparent Worlds ----------------------------------------------------------------------------------------------
 
 void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::span<ChangePacket> changes) {
+    std::array<Stretch, most_packets> stretches;
+    for (Stretch& stretch : stretches) stretch.from.v.fill(0), stretch.limit.v.fill(infinity);
+    first_changes(packets, std::span(stretches).first(packets.size()), changes);
+}
+
+void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::span<const Stretch> stretches,
+                                       std::span<ChangePacket> changes) {
     for (std::size_t p = 0; p < packets.size(); ++p) {
-        limits_[p].v.fill(infinity);
+        froms_[p] = stretches[p].from, limits_[p] = stretches[p].limit;
         BoundaryPacket& first = changes[p].first;
         first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
         first.starts_inside = 0;
@@ -326,7 +337,7 @@ bool PacketThroughWorld::takes_precedence(std::int32_t solid, std::int32_t other
     return a.priority > b.priority || (a.priority == b.priority && solid < other);
 }
 
-// A ray that starts in a solid meets its box at once, whatever its limit: all owners of its first cell are seen.
+// A ray that is in a solid where its stretch begins meets its box before, whatever its limit: all owners of that cell are seen.
 void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index, ChangePacket& changes) {
     const Solid& solid = world_.solids[index];
     if (!solid.fits_lanes) {
@@ -335,7 +346,7 @@ void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index,
     }
     Lanes& limits = limits_[packet];
     PacketThroughSolid::Changes found;
-    solids_[packet].next_change(solid, limits, found);
+    solids_[packet].next_change(solid, froms_[packet], limits, found);
     changes.unclear |= found.doubtful;
     Starts& starts = starts_[packet];
     for (unsigned rest = found.inside; rest != 0; rest &= rest - 1) {
@@ -357,7 +368,8 @@ void PacketThroughWorld::change_at_solid_of_single(std::size_t packet, std::int3
     Lanes& limits = limits_[packet];
     for (int i = 0; i < packets_[packet].count; ++i) {
         if (!(limits[i] >= 0)) continue;
-        const PacketThroughSolid::FirstChange found = solids_[packet].next_change_of_single(world_.solids[index], i);
+        const PacketThroughSolid::FirstChange found =
+            solids_[packet].next_change_of_single(world_.solids[index], froms_[packet][i], i);
         changes.unclear |= static_cast<unsigned>(found.inside) << i;
         if (!(found.t <= changes.first.t[i]) || found.t == infinity) continue;
         changes.first.t[i] = limits[i] = found.t;
@@ -378,7 +390,7 @@ void PacketThroughWorld::finish_changes(std::size_t packet, ChangePacket& change
         changes.before[lane] = owner, changes.after[lane] = after;
     }
     if (world_.sheets.empty()) return;
-    meet_sheets(packet, changes.first);
+    meet_sheets(packet, froms_[packet], changes.first);
     for (int i = 0; i < width; ++i) {
         const auto lane = static_cast<std::size_t>(i);
         const bool is_sheet = changes.first.leaf[lane] >= 0 && changes.first.solid[lane] < 0;

@@ -32,7 +32,12 @@ public:
     unsigned blocked(std::span<const RayPacket> packets, std::span<const Lanes> distances);
     unsigned blocked(const RayPacket& rays, const Lanes& distances) { return blocked({&rays, 1}, {&distances, 1}); }
 
-    // The same for a World with transparent matter: the first change of what a ray is in.
+    // The same for a World with transparent matter: the first change of what a ray is in, behind `from` and not beyond its limit.
+    // Rays whose limit is below 0 are left out.
+    struct Stretch {
+        Lanes from, limit;
+    };
+    void first_changes(std::span<const RayPacket> packets, std::span<const Stretch> stretches, std::span<ChangePacket> changes);
     void first_changes(std::span<const RayPacket> packets, std::span<ChangePacket> changes);
 
     // Of the rays to a light: those that are blocked, and, of the others, those that are dimmed, or may be.
@@ -67,7 +72,7 @@ private:
     // How many rays of each packet reach a box within their limits.
     std::array<int, most_packets> within_limits(const FloatLanes& near) const;
     void meet_solid(std::size_t packet, std::int32_t index, BoundaryPacket& boundaries);
-    void meet_sheets(std::size_t packet, BoundaryPacket& boundaries);
+    void meet_sheets(std::size_t packet, const Lanes& from, BoundaryPacket& boundaries);
     void change_at_solid(std::size_t packet, std::int32_t index, ChangePacket& changes);
     void change_at_solid_of_single(std::size_t packet, std::int32_t index, ChangePacket& changes);
     void finish_changes(std::size_t packet, ChangePacket& changes);
@@ -88,6 +93,7 @@ private:
         unsigned leaves_first, shared;
     };
     std::array<Starts, most_packets> starts_;
+    std::array<Lanes, most_packets> froms_;
     FloatRays rays_{};
     FloatLanes float_limits_;
     std::array<std::int32_t, 128> children_;

@@ -317,6 +317,7 @@ void PacketPaths::light_faces() {
             send_shadow_rays(*faces_[p], aimed);
         }
         cast_shadows();
+        cast_dimmed_shadows();
     }
 }
 
@@ -398,21 +399,25 @@ void PacketPaths::cast_shadows() {
     const PacketThroughWorld::Shadows met = world_.features.transparency
                                                 ? packet_.shadows(rays, distances)
                                                 : PacketThroughWorld::Shadows{packet_.blocked(rays, distances), 0};
-    // Those that are asked of the single ray are counted there.
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count - std::popcount(met.asked));
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count);
     const unsigned all = (1u << shadows_.count) - 1;
     for (unsigned rest = all & ~met.blocked; rest != 0; rest &= rest - 1) {
-        const int shadow = std::countr_zero(rest), lane = shadows_.lane[shadow];
-        FacePacket& faces = *shadows_.faces[shadow];
-        Colour arrives = shadows_.radiance[shadow];
+        const int shadow = std::countr_zero(rest);
         if ((met.asked >> shadow & 1) != 0)
-            arrives = arrives * tracer_.light_through(rays[shadow / width].ray(shadow % width), shadows_.to_light[shadow]);
-        const Colour diffuse = shadows_.diffuse[shadow] * arrives, highlight = shadows_.highlight[shadow] * arrives;
-        faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
-        faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
+            dim_later(shadow);
+        else
+            light_face(shadows_, shadow, shadows_.radiance[shadow]);
     }
     for (RayPacket& packet : shadows_.rays) packet.clear();
     shadows_.count = 0;
+}
+
+void PacketPaths::light_face(const Shadows& shadows, int shadow, const Colour& arrives) {
+    FacePacket& faces = *shadows.faces[shadow];
+    const int lane = shadows.lane[shadow];
+    const Colour diffuse = shadows.diffuse[shadow] * arrives, highlight = shadows.highlight[shadow] * arrives;
+    faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
+    faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------------

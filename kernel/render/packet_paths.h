@@ -139,6 +139,7 @@ private:
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
     void cast_shadows();
+    void light_face(const Shadows& shadows, int shadow, const Colour& arrives);
     void finish_colours(std::size_t depth);
     void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
     FacePacket& new_faces();
@@ -167,8 +168,11 @@ private:
     static std::optional<Vector> refracted_direction(const FacePacket& faces, int lane);
     void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
               Tracer::Implementation::Turn turn);
+    void dim_later(int shadow);
+    void cast_dimmed_shadows();
+    bool dim(int shadow, const ChangePacket& changes, double from, Colour& passed);
     Label label_of(std::int32_t solid) const;
-    Boundary boundary_of(const Wave& wave, int ray) const;
+    Boundary boundary_of(const ChangePacket& changes, int lane) const;
 
     Tracer::Implementation& tracer_;
     const World& world_;
@@ -179,6 +183,7 @@ private:
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;
     Shadows shadows_;
+    Shadows dimmed_;  // of these, those that meet matter which may dim them
 };
 
 }  // namespace lapidary

@@ -8,6 +8,7 @@
 // Whatever is unusual (rounding, several faces at one place, faces that let light pass as if they were not there) is left to the
 // single path, from the start of the ray.
 #include <algorithm>
+#include <bit>
 #include <span>
 
 #include "kernel/csg/near_root.h"
@@ -57,9 +58,7 @@ Label PacketPaths::label_of(std::int32_t solid) const {
     return {owner.owner, owner.medium, owner.priority};
 }
 
-Boundary PacketPaths::boundary_of(const Wave& wave, int ray) const {
-    const ChangePacket& changes = wave.change(ray);
-    const int lane = ray % width;
+Boundary PacketPaths::boundary_of(const ChangePacket& changes, int lane) const {
     Boundary boundary;
     boundary.t = changes.first.t[lane], boundary.solid = changes.first.solid[lane], boundary.leaf = changes.first.leaf[lane];
     boundary.before = label_of(changes.before[lane]), boundary.after = label_of(changes.after[lane]);
@@ -242,7 +241,7 @@ void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<R
     tracer_.ray_through_world.start(ray);
     RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(number)];
     const std::optional<Encounter> encounter =
-        tracer_.encounter_face(ray, boundary_of(wave, number), wave.paths[number].travelled, sample);
+        tracer_.encounter_face(ray, boundary_of(wave.change(number), number % width), wave.paths[number].travelled, sample);
     if (encounter)
         add_single_face(wave, number, *encounter);
     else
@@ -286,6 +285,73 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
         faces.colour.set(i, faces.colour[0]);
         faces.reflection[i] = faces.reflection[0], faces.shininess[i] = faces.shininess[0];
     }
+}
+
+// ---- shadows in colours ----------------------------------------------------------------------------------------------
+
+// A shadow ray that nothing blocks for certain, to be followed through what it meets before the next light's turn.
+void PacketPaths::dim_later(int shadow) {
+    if (dimmed_.count == 0)
+        for (RayPacket& packet : dimmed_.rays) packet.clear();
+    const int next = dimmed_.count++, packet = next / width, lane = next % width;
+    dimmed_.rays[packet].add(shadows_.rays[shadow / width].ray(shadow % width));
+    dimmed_.distances[packet][lane] = shadows_.distances[shadow / width][shadow % width];
+    dimmed_.radiance[next] = shadows_.radiance[shadow], dimmed_.to_light[next] = shadows_.to_light[shadow];
+    dimmed_.diffuse[next] = shadows_.diffuse[shadow], dimmed_.highlight[next] = shadows_.highlight[shadow];
+    dimmed_.faces[next] = shadows_.faces[shadow], dimmed_.lane[next] = shadows_.lane[shadow];
+    if (dimmed_.count == Shadows::most) cast_dimmed_shadows();
+}
+
+// Tracer::Implementation::light_through for all lanes, from change to change.
+void PacketPaths::cast_dimmed_shadows() {
+    if (dimmed_.count == 0) return;
+    const std::size_t packets = (static_cast<std::size_t>(dimmed_.count) + width - 1) / width;
+    std::array<PacketThroughWorld::Stretch, PacketThroughWorld::most_packets> stretches;
+    std::array<ChangePacket, PacketThroughWorld::most_packets> changes;
+    std::array<Colour, Shadows::most> passed;
+    passed.fill(Colour::white());
+    for (std::size_t p = 0; p < packets; ++p) {
+        dimmed_.rays[p].fill_up();
+        stretches[p].from.v.fill(0), stretches[p].limit.v.fill(-1);
+    }
+    for (int i = 0; i < dimmed_.count; ++i) stretches[i / width].limit[i % width] = dimmed_.to_light[i];
+
+    for (unsigned under_way = (1U << dimmed_.count) - 1; under_way != 0;) {
+        packet_.first_changes(std::span(dimmed_.rays).first(packets), std::span(stretches).first(packets), changes);
+        for (unsigned rest = under_way; rest != 0; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
+            PacketThroughWorld::Stretch& stretch = stretches[i / width];
+            const ChangePacket& met = changes[i / width];
+            const bool goes_on = dim(i, met, stretch.from[i % width], passed[i]);
+            stretch.from[i % width] = met.first.t[i % width];
+            if (goes_on) continue;
+            stretch.limit[i % width] = -1;
+            under_way &= ~(1U << i);
+        }
+    }
+    for (int i = 0; i < dimmed_.count; ++i) light_face(dimmed_, i, dimmed_.radiance[i] * passed[i]);
+    dimmed_.count = 0;
+}
+
+// What the matter up to the next change, and the face there, leave of the light. Whether the way goes on behind it.
+bool PacketPaths::dim(int shadow, const ChangePacket& changes, double from, Colour& passed) {
+    const int lane = shadow % width;
+    const RayPacket& rays = dimmed_.rays[shadow / width];
+    const Boundary boundary = boundary_of(changes, lane);
+    const bool changes_here = !(boundary.before == boundary.after);
+    const bool at_light = boundary.t >= dimmed_.distances[shadow / width][lane];
+    if ((changes.unclear >> lane & 1) != 0 || (!at_light && changes_here && boundary.leaf < 0)) {
+        passed = tracer_.light_through(rays.ray(lane), dimmed_.to_light[shadow]);
+        return false;
+    }
+    if (!boundary.before.is_empty()) {
+        const MaterialInstance& medium = world_.materials[boundary.before.medium];
+        const double to = std::min(boundary.t, dimmed_.to_light[shadow]);
+        passed = passed * tracer_.medium_lets_through(medium, rays.ray(lane), from, to);
+    }
+    if (at_light) return false;
+    if (boundary.is_sheet() || changes_here) passed = tracer_.face_lets_through(boundary, rays.ray(lane)) * passed;
+    return !is_black(passed) && !tracer_.is_stopped();
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------------
