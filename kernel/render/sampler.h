@@ -17,11 +17,15 @@
 //     scrambled x_d = reverse(hash_d(C_d i)).
 //
 // The place in the pixel takes the dimensions 0 and 1, those of the best pair there is; places on lights take 2 and 3, the
-// place on the lens takes 4 and 5. They belong to one point in six dimensions: where a shadow's edge in a pixel depends on
-// the places in the pixel and on the light together, four dimensions are as one to the point, and the error falls as
-// n^-0.62 or faster, where pairs that are each good, but shuffled against one another, leave n^-0.5. Measured over random
-// half-spaces in four dimensions with 1024 samples, the error is 1.9 times smaller. Not to scramble the pairs apart would
-// tie the place in the pixel to the place on the lens: an error that more samples never remove.
+// place on the lens takes 4 and 5. They belong to one point in six dimensions. Of an edge across d dimensions, n points that
+// are stratified together leave an error of
+//
+//     n^-(1/2 + 1/(2d)):
+//
+// n^-0.75 in the pixel alone, n^-0.625 together with a light or with the lens, n^-0.58 with both. Measured over 4 to 1024
+// samples: 0.75 (dice), 0.62 to 0.67 (soft light), 0.65 (a lens), 0.60 (both, with glass and mirrors). Pairs that are each
+// good, but shuffled against one another, leave n^-0.5. Not to scramble the pairs apart would tie the place in the pixel to
+// the place on the lens: an error that more samples never remove.
 //
 // All lights share two dimensions, each scrambled in its own way. What lights send is added, so that no error is made of
 // places on two of them together.
