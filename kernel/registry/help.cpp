@@ -70,7 +70,7 @@ std::string describe_values(const PropertySchema& property) {
             what = "colour";
             break;
         case Shape::text:
-            what = "text";
+            what = property.words.empty() ? "text" : join_alternatives(property.words);
             break;
         case Shape::word:
             what = property.words.empty() ? "words" : join_alternatives(property.words);

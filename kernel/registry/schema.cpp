@@ -62,12 +62,22 @@ std::string word_names(const PropertySchema& property) {
     return property.most_values > 1 ? names + ", …" : names;
 }
 
+// "box" | "gaussian"
+std::string quoted_names(const PropertySchema& property) {
+    std::string names;
+    for (const std::string& word : property.words) names += (names.empty() ? "\"" : " | \"") + word + '"';
+    return names;
+}
+
 // Values that differ in shape are called by it.
 std::string shape_names(const PropertySchema& property) {
     std::string names;
     for (const Shape shape : property.shapes) {
         if (!names.empty()) names += ", ";
-        names += shape == Shape::text ? "\"text\"" : shape == Shape::word ? "word" : "number";
+        if (shape == Shape::text)
+            names += property.words.empty() ? "\"text\"" : quoted_names(property);
+        else
+            names += shape == Shape::word ? "word" : "number";
     }
     return names;
 }

@@ -340,6 +340,30 @@ public:
         return push(std::move(p));
     }
 
+    // An enumeration by its names, and a number that may follow: `filter("mitchell", 2);`.
+    template <class Owner, class E>
+    requires std::is_base_of_v<Owner, T> && std::is_enum_v<E> Added add(std::string name, E Owner::*member,
+                                                                        std::vector<std::string> words,
+                                                                        std::optional<double> Owner::*number) {
+        const Added added = add(std::move(name), member, std::move(words));
+        PropertySchema& p = properties_.back();
+        p.shape = Shape::text;
+        p.shapes = {Shape::text, Shape::number};
+        p.most_values = 2;
+        p.assign = [choose = std::move(p.assign), number](void* object, const std::vector<Value>& values) {
+            choose(object, values);
+            auto& follows = owner<Owner>(object).*number;
+            follows.reset();
+            if (values.size() > 1) follows = values[1].number;
+        };
+        p.read = [chosen = std::move(p.read), number](const void* object) {
+            std::vector<Value> values{text_value(chosen(object).front().front().text)};
+            if (const auto& follows = owner<Owner>(object).*number) values.push_back(number_value(*follows));
+            return std::vector<std::vector<Value>>{std::move(values)};
+        };
+        return added;
+    }
+
     class AddedChild {
     public:
         explicit AddedChild(ChildSchema& child) : child_(child) {}

@@ -98,7 +98,8 @@ bool PropertyReader::check_value(const PropertySchema& schema, const Value& valu
         error(value.place, fmt::format("'{}' takes finite numbers, not {}", schema.name, value.number));
     } else if (shape == Shape::integer && value.number != std::nearbyint(value.number)) {
         error(value.place, fmt::format("'{}' takes a whole number, not {}", schema.name, value.number));
-    } else if (!schema.words.empty() && std::ranges::find(schema.words, value.text) == schema.words.end()) {
+    } else if (shape != Shape::number && !schema.words.empty() &&
+               std::ranges::find(schema.words, value.text) == schema.words.end()) {
         error(value.place, fmt::format("'{}' knows the words {}, not '{}'{}", schema.name, list_of(schema.words), value.text,
                                        did_you_mean(value.text, schema.words)));
     } else {

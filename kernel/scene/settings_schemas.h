@@ -94,12 +94,10 @@ struct RenderBlock : RenderSettings {
         schema.add("depth", &RenderBlock::depth).between(0, 1000).help("Reflections and refractions that a path may have.");
         schema.add("cutoff", &RenderBlock::cutoff).between(0, 1).help("Weight in the pixel below which a path ends.");
         schema.add("error", &RenderBlock::error).above(0).at_most(1).help("Estimated error of a pixel that is good enough.");
-        schema.add("filter", &RenderBlock::filter, {"box", "gaussian", "mitchell"})
-            .help("How a pixel weighs the light around its centre.");
-        schema.add("filter_radius", &RenderBlock::filter_radius)
+        schema.add("filter", &RenderBlock::filter, {"box", "gaussian", "mitchell"}, &RenderBlock::filter_radius)
             .above(0)
             .at_most(16)
-            .help("Reach of the filter in pixels; without it, the filter's usual one.");
+            .help("How a pixel weighs the light around its centre, and how many pixels far (each filter has its usual reach).");
     }
 };
 

@@ -156,7 +156,7 @@ TEST_CASE("T93 Bad numbers in the blocks of the language", "[numbers]") {
         "camera { location(0, 0, -5); points(@3); rays(2); }", "camera { location(0, 0, -5); rays(@3); }",
         "camera { projection(orthographic); location(0, 0, -5); screen { size(@3, @2); } }",
         "camera { location(0, 0, -5); screen { location(@0, @0, @-4); size(@1, @1); } }", "background(@1, @0.5, @0);",
-        "render { depth(@4); }", "render { cutoff(@0.1); }", "render { error(@0.1); }", "render { filter_radius(@1); }");
+        "render { depth(@4); }", "render { cutoff(@0.1); }", "render { error(@0.1); }", R"(render { filter("mitchell", @1); })");
     Tally tally;
     try_everywhere(light + ball + pattern, tally);
     CHECK(tally.refused > 0);

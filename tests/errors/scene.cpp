@@ -99,6 +99,15 @@ TEST_CASE("Messages: numbers and kinds of values", "[scene]") {
     CHECK(said_of("camera { projection(\"perspective\"); }") ==
           Lines{"s:1:21: error: 'projection' takes words without quotes, not the text \"perspective\": projection(perspective | "
                 "orthographic);"});
+    const std::string filters = "filter(\"box\" | \"gaussian\" | \"mitchell\", number);";
+    CHECK(said_of("render { filter(\"lanczos\"); }") ==
+          Lines{"s:1:17: error: 'filter' knows the words box, gaussian and mitchell, not 'lanczos'"});
+    CHECK(said_of("render { filter(box); }") ==
+          Lines{"s:1:17: error: 'filter' takes text in double quotes, not the word 'box': " + filters});
+    CHECK(said_of("render { filter(\"box\", \"2\"); }") ==
+          Lines{"s:1:24: error: 'filter' takes numbers, not the text \"2\": " + filters});
+    CHECK(said_of("render { filter(\"box\", 1, 2); }") ==
+          Lines{"s:1:10: error: 'filter' takes 1 to 2 values, not 3: " + filters});
     CHECK(said_of("output { name(x); }") ==
           Lines{"s:1:15: error: 'name' takes text in double quotes, not the word 'x': name(\"text\");"});
     CHECK(said_of("transform t { scale(1, 2); }") ==

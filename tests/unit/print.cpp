@@ -89,6 +89,16 @@ TEST_CASE("Printed settings are the same settings", "[print]") {
     CHECK(printed.find("angle(0.6981317007977318rad);") != std::string::npos);
 }
 
+TEST_CASE("A filter is printed with its reach, where that was given", "[print]") {
+    const auto printed = [](const std::string& filter) {
+        return check_round_trip("render { " + filter + " } objects { cube {} } lights { ambient {} }");
+    };
+    CHECK(printed("filter(\"mitchell\", 2.5);").find("filter(\"mitchell\", 2.5);") != std::string::npos);
+    CHECK(printed("filter(\"gaussian\");").find("filter(\"gaussian\");") != std::string::npos);
+    // The last one counts, with what it does not say.
+    CHECK(printed("filter(\"mitchell\", 2.5); filter(\"gaussian\");").find("filter(\"gaussian\");") != std::string::npos);
+}
+
 TEST_CASE("Writers are printed with their properties", "[print]") {
     const std::string printed = check_round_trip(
         "output { encoding(linear); png { bits(16); } exr { aov(depth, normal); } } objects { cube {} } lights { ambient {} }");
