@@ -72,6 +72,62 @@ void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, st
     }
 }
 
+// Lanes that a negative leaf holds again a sliver's length beyond t are doubtful; where another one ends at t, too, whose face it
+// is is not known.
+void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
+                   const Lanes& __restrict further, Lanes& __restrict doubtful, PacketThroughSolid::LeafLanes& __restrict leaf) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double begin = in[i], end = out[i], at = t[i], beyond = further[i];
+        const std::int64_t shown = leaf[i];
+        doubtful[i] = ((begin <= beyond) & (beyond < end)) ? 1 : doubtful[i];
+        leaf[i] = ((end == at) & (shown != index)) ? -1 : shown;
+    }
+}
+
+// Moves the lanes that a negative leaf holds to its exit; returns how many there were.
+std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, Lanes& __restrict t,
+                        Lanes& __restrict moved, PacketThroughSolid::LeafLanes& __restrict leaf) {
+    std::int64_t left = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double begin = in[i], end = out[i], at = t[i];
+        const bool holds = (begin <= at) & (at < end);
+        t[i] = holds ? end : at;
+        leaf[i] = holds ? index : leaf[i];
+        moved[i] = holds ? 1 : moved[i];
+        left += holds;
+    }
+    return left;
+}
+
+// Lanes that were moved are lost where they went beyond their end.
+void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out, const Lanes& __restrict limit,
+               Lanes& __restrict t) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double at = t[i], end = first_out[i], most = limit[i], was_moved = moved[i];
+        const bool remains = (at < end) & (at <= most);
+        t[i] = ((was_moved == 0) | remains) ? at : infinity;
+    }
+}
+
+// Spans along the local lines as spans of the world's t; empty ones end before they begin.
+void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
+                        Lanes& __restrict out) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const bool empty = !(spans.in[i] < spans.out[i]);
+        in[i] = empty ? infinity : anchor[i] + spans.in[i];
+        out[i] = empty ? -infinity : anchor[i] + spans.out[i];
+    }
+}
+
+bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
+    std::int64_t near = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double nearer = lesser(std::fabs(in[i]), std::fabs(out[i]));
+        near += is_near_root(nearer, anchor[i]);
+    }
+    return near > 0;
+}
+
 }  // namespace
 
 PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
@@ -128,10 +184,11 @@ double PacketThroughSolid::leave(const Solid& solid, int lane) {
 }
 
 void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
-    Lanes in, out;
-    own_spans(world_.leaves[leaf], in, out);
+    placed_lines(leaf);
+    SpanBatch crossings;
+    world_.leaves[leaf].object->spans_batch(placed_.lines, width, &crossings);
     for (int i = 0; i < width; ++i) {
-        t[i] = rays_->departure[i].leaf == leaf ? infinity : placed_.anchor[i] + in[i];
+        t[i] = rays_->departure[i].leaf == leaf ? infinity : placed_.anchor[i] + crossings.in[i];
         if (is_near_root(t[i], placed_.anchor[i]))
             t[i] = near_root(rays_->ray(i), world_.leaves[leaf].placement, world_.faces_of(world_.leaves[leaf]), t[i],
                              placed_.anchor[i], Passing::either);
@@ -175,10 +232,7 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
             for (std::int32_t n = 0; n < solid.negative_count; ++n)
                 if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);
         }
-        for (int i = 0; i < width; ++i) {
-            const double kept = t[i] < first_out[i] && t[i] <= limit[i] ? t[i] : infinity;
-            t[i] = unsettled[i] != 0 ? kept : t[i];
-        }
+        end_lanes(unsettled, first_out, limit, t);
     }
 }
 
@@ -193,15 +247,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
         spans(index, asked.in, asked.out);
     }
     const NegativeLeaf& asked = asked_[asked_slot_[n]];
-    std::int64_t left = 0;
-    for (int i = 0; i < width; ++i) {
-        const bool holds = asked.in[i] <= t[i] && t[i] < asked.out[i];
-        t[i] = holds ? asked.out[i] : t[i];
-        leaf[i] = holds ? index : leaf[i];
-        moved[i] = holds ? 1 : moved[i];
-        left += holds;
-    }
-    return left > 0;
+    return leave_span(asked.in, asked.out, index, t, moved, leaf) > 0;
 }
 
 // Where the same place is an entry of a positive leaf and an exit of negative ones, the positive one is shown; of several
@@ -215,12 +261,9 @@ void PacketThroughSolid::reconsider_doubtful(const Solid& solid, const Lanes& fi
     }
     for (std::size_t slot = 0; slot < asked_count_; ++slot) {
         const NegativeLeaf& asked = asked_[slot];
-        for (int i = 0; i < width; ++i) {
-            doubtful[i] = asked.in[i] <= further[i] && further[i] < asked.out[i] ? 1 : doubtful[i];
-            leaf[i] = asked.out[i] == t[i] && leaf[i] != asked.leaf ? -1 : leaf[i];
-        }
+        mark_doubtful(asked.in, asked.out, asked.leaf, t, further, doubtful, leaf);
     }
-    int count = 0;
+    std::int64_t count = 0;
     for (int i = 0; i < width; ++i) count += t[i] < infinity && doubtful[i] != 0;
     if (count == 0) return;
     for (int i = 0; i < width; ++i) {
@@ -264,7 +307,8 @@ bool PacketThroughSolid::any_in_box(const Bounds& box) const {
 }
 
 const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
-    if (placed_leaf_ != index) place_lines(world_.leaves[index].placement, *rays_, placed_);
+    const Transform& placement = world_.leaves[index].placement;
+    if (placed_leaf_ < 0 || !world_.leaves[placed_leaf_].placement.is_same_as(placement)) place_lines(placement, *rays_, placed_);
     placed_leaf_ = index;
     return placed_;
 }
@@ -278,24 +322,15 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
         return;
     }
     own_spans(leaf, in, out);
-    for (int i = 0; i < width; ++i) {
-        const bool empty = !(in[i] < out[i]);
-        in[i] = empty ? infinity : placed_.anchor[i] + in[i];
-        out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
-    }
     if (first_departed_ <= index && index <= last_departed_) remove_departures(in, out, index, -1);
-    find_near_ends_of_lanes(
-        leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
+    if (has_near_ends(in, out, placed_.anchor))
+        find_near_ends_of_lanes(
+            leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
 }
 
 template <class Departs>
 void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
                                                  Lanes& out) const {
-    int near = 0;
-    for (int i = 0; i < width; ++i)
-        near +=
-            static_cast<int>(is_near_root(in[i], placed_.anchor[i])) | static_cast<int>(is_near_root(out[i], placed_.anchor[i]));
-    if (near == 0) return;
     for (int i = 0; i < rays_->count; ++i) {
         if (!(in[i] < out[i])) continue;
         Span span{in[i], out[i]};
@@ -304,12 +339,12 @@ void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<con
     }
 }
 
-// In the leaf's own t, with placed_ set to its lines.
+// With placed_ set to the leaf's lines.
 void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
     SpanBatch batch;
     leaf.object->spans_batch(placed_.lines, width, &batch);
-    for (int i = 0; i < width; ++i) in[i] = batch.in[i], out[i] = batch.out[i];
+    count_from_origins(batch, placed_.anchor, in, out);
 }
 
 // What the leaf's surfaces have in common.
@@ -338,22 +373,23 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
         plane_spans(use, frame, surface_class.surface, in, out);
         return;
     }
-    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder) {
-        placed_lines(surface_class.leaf);
-        for (int i = 0; i < width; ++i) {
-            const Span span = tube_span(placed_.lines.line(i), surface_class.surface.a);
-            in[i] = span.in, out[i] = span.out;
-        }
-    } else {
+    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder)
+        tube_spans(frame, surface_class.surface.a, in, out);
+    else
         own_spans(frame, in, out);
-    }
-    for (int i = 0; i < width; ++i) {
-        const bool empty = !(in[i] < out[i]);
-        in[i] = empty ? infinity : placed_.anchor[i] + in[i];
-        out[i] = empty ? -infinity : placed_.anchor[i] + out[i];
-    }
     if (rays_->departs) remove_departures(in, out, -1, use.surface_class);
-    if (!surface_class.whole) find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
+    if (!surface_class.whole && has_near_ends(in, out, placed_.anchor))
+        find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
+}
+
+void PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
+    placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
+    SpanBatch batch;
+    for (int i = 0; i < width; ++i) {
+        const Span span = tube_span(placed_.lines.line(i), radius);
+        batch.in[i] = span.in, batch.out[i] = span.out;
+    }
+    count_from_origins(batch, placed_.anchor, in, out);
 }
 
 void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {
@@ -378,7 +414,7 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
             in[i] = departure.inward ? 0 : -infinity;
             out[i] = departure.inward ? infinity : 0;
         }
-    find_near_ends_of_lanes(frame, {&plane, 1}, departs_from_class, in, out);
+    if (has_near_ends(in, out, placed_.anchor)) find_near_ends_of_lanes(frame, {&plane, 1}, departs_from_class, in, out);
     if (use.flipped)
         for (int i = 0; i < width; ++i) {
             // The other side of the plane, with the same t.

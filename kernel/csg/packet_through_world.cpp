@@ -34,6 +34,31 @@ double reach_of(const Hierarchy& hierarchy) {
     return reach;
 }
 
+// Puts a solid's boundaries where they come first; returns in how many lanes. Of boundaries at the same place, that of the solid
+// written first counts.
+std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf, std::int32_t solid,
+                         BoundaryPacket& __restrict boundaries, Lanes& __restrict limits) {
+    std::array<std::int64_t, PacketThroughWorld::width> first_solid;
+    Lanes closer;
+    for (int i = 0; i < PacketThroughWorld::width; ++i) first_solid[i] = boundaries.solid[i];
+    std::int64_t count = 0;
+    for (int i = 0; i < PacketThroughWorld::width; ++i) {
+        const double first = boundaries.t[i], at = t[i];
+        const std::int64_t before = first_solid[static_cast<std::size_t>(i)];
+        const bool ties = (at == first) & (at < infinity) & (solid < before);
+        const bool comes_first = (at > 0) & ((at < first) | ties);
+        boundaries.t[i] = comes_first ? at : first;
+        limits[i] = comes_first ? at : limits[i];
+        closer[i] = comes_first ? 1 : 0;
+        count += comes_first;
+    }
+    for (int i = 0; count > 0 && i < PacketThroughWorld::width; ++i) {
+        boundaries.solid[i] = closer[i] != 0 ? solid : boundaries.solid[i];
+        boundaries.leaf[i] = closer[i] != 0 ? static_cast<std::int32_t>(leaf[i]) : boundaries.leaf[i];
+    }
+    return count;
+}
+
 }  // namespace
 
 PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& statistics)
@@ -197,7 +222,6 @@ void PacketThroughWorld::first_boundaries(std::span<const RayPacket> packets, st
     for (std::size_t p = 0; p < packets.size(); ++p) meet_sheets(p, from, boundaries[p]);
 }
 
-// Of boundaries at the same place, that of the solid written first counts.
 void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, BoundaryPacket& boundaries) {
     const Solid& solid = world_.solids[index];
     Lanes& limits = limits_[packet];
@@ -213,17 +237,7 @@ void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, Boun
             count_start_inside(packets_[packet].departure[static_cast<std::size_t>(i)], statistics_);
         }
 
-    std::int64_t closer = 0;
-    for (int i = 0; i < width; ++i) {
-        const double first = boundaries.t[i];
-        const bool comes_first = t[i] > 0 && (t[i] < first || (t[i] == first && t[i] < infinity && index < boundaries.solid[i]));
-        boundaries.t[i] = comes_first ? t[i] : first;
-        boundaries.solid[i] = comes_first ? index : boundaries.solid[i];
-        boundaries.leaf[i] = comes_first ? static_cast<std::int32_t>(leaf[i]) : boundaries.leaf[i];
-        limits[i] = comes_first ? t[i] : limits[i];
-        closer += comes_first;
-    }
-    if (closer > 0) set_limits(packet);
+    if (take_closer(t, leaf, index, boundaries, limits) > 0) set_limits(packet);
 }
 
 // Behind `from`.

@@ -75,6 +75,15 @@ struct BoundaryPacket {
     std::array<std::int32_t, batch_size> solid;  // in World::solids; -1: nothing, or a sheet
     std::array<std::int32_t, batch_size> leaf;   // whose face it is; -1: nothing, or not known
     unsigned starts_inside;                      // the rays that start in a solid: bit i for ray i
+
+    bool are_of_one_leaf() const {
+        const auto all = [](const std::array<std::int32_t, batch_size>& values) {
+            int same = 0;
+            for (std::int32_t value : values) same += value == values[0];
+            return same == batch_size;
+        };
+        return all(leaf) && all(solid);
+    }
 };
 
 // Where what each ray of a packet is in first changes, and the solids that own the cells before and behind.

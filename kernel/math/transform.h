@@ -91,6 +91,11 @@ public:
     Transform() = default;  // identity
     explicit Transform(const ExactTransform& exact);
 
+    // Whether both were composed of one linear map, and are at one place: what is certainly the same map.
+    bool is_same_as(const Transform& other) const {
+        return linear_ == other.linear_ && centre_.anchor == other.centre_.anchor && centre_.offset == other.centre_.offset;
+    }
+
     Point to_parent(const Point& p) const;
     Vector to_parent(const Vector& v) const { return linear_ ? multiply(v, linear_->linear) : v; }
     Normal to_parent(const Normal& n) const {  // by the inverse transpose; not normalised

@@ -76,6 +76,14 @@ inline double length(const Vector& v) { return std::sqrt(dot(v, v)); }
 // The distance of a point from the origin of its space.
 inline double length(const Point& p) { return std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z); }
 
+// Of the coordinates.
+template <class Triple>
+double largest_magnitude(const Triple& t) {
+    const double x = std::fabs(t.x), y = std::fabs(t.y), z = std::fabs(t.z);
+    const double larger = x > y ? x : y;
+    return larger > z ? larger : z;
+}
+
 // The power of two that brings a positive size to about 1; multiplying by it rounds nothing. Read off the exponent's bits:
 // without a branch, so that a loop over lanes stays vector instructions.
 inline double scale_to_one(double size) {
@@ -87,8 +95,7 @@ inline double scale_to_one(double size) {
 // The unit vector along v. Scaled by a power of two first, so that neither 1e-300 nor 1e300 is lost;
 // the zero vector stays zero, and so does what is not finite.
 inline Vector normalize(const Vector& v) {
-    const double x = std::fabs(v.x), y = std::fabs(v.y), z = std::fabs(v.z);
-    const double larger = x > y ? x : y, largest = larger > z ? larger : z;
+    const double largest = largest_magnitude(v);
     const Vector scaled = scale_to_one(largest) * v;
     const double length_of_scaled = length(scaled);
     const bool has_direction = largest > 0 && length_of_scaled < infinity;

@@ -19,11 +19,10 @@ Vector right_of(const Vector& up, const Vector& forward) {
 CameraRays::CameraRays(const Camera& camera, int width, int height)
     : projection_(camera.projection),
       location_(camera.location),
-      picture_width_(width),
-      picture_height_(height),
       focus_(camera.focus),
       lens_radius_(camera.aperture / 2),
       has_lens_(camera.aperture > 0 && camera.points != 1) {
+    view_.picture_width = width, view_.picture_height = height;
     orient(camera);
     measure_screen(camera);
     if (has_lens_ && camera.points > 1) lens_points_ = even_disc_points(camera.points);
@@ -31,47 +30,47 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
 
 void CameraRays::orient(const Camera& camera) {
     const Vector view = camera.screen_centre - camera.location;
-    forward_ = normalize(view);
-    if (forward_ == Vector{}) forward_ = {0, 0, 1};
-    screen_distance_ = dot(view, forward_);
+    view_.forward = normalize(view);
+    if (view_.forward == Vector{}) view_.forward = {0, 0, 1};
+    screen_distance_ = dot(view, view_.forward);
     if (!(screen_distance_ > 0)) screen_distance_ = 1;
 
     // Looking straight along up, +z is up; where z is the view itself, +y.
-    right_ = right_of(camera.up, forward_);
-    if (right_ == Vector{}) right_ = right_of({0, 0, 1}, forward_);
-    if (right_ == Vector{}) right_ = right_of({0, 1, 0}, forward_);
-    up_ = normalize(cross(forward_, right_));
+    view_.right = right_of(camera.up, view_.forward);
+    if (view_.right == Vector{}) view_.right = right_of({0, 0, 1}, view_.forward);
+    if (view_.right == Vector{}) view_.right = right_of({0, 1, 0}, view_.forward);
+    view_.up = normalize(cross(view_.forward, view_.right));
 }
 
 void CameraRays::measure_screen(const Camera& camera) {
-    const double aspect = picture_width_ / picture_height_;
+    const double aspect = view_.picture_width / view_.picture_height;
     const bool perspective = projection_ == Camera::Projection::perspective;
     const double unit = perspective ? screen_distance_ : 1;
 
     if (camera.angle) {
-        screen_width_ = 2 * std::tan(*camera.angle / 2) * (perspective ? 1 : screen_distance_);
-        screen_height_ = screen_width_ / aspect;
+        view_.screen_width = 2 * std::tan(*camera.angle / 2) * (perspective ? 1 : screen_distance_);
+        view_.screen_height = view_.screen_width / aspect;
     } else if (camera.screen_width) {
-        screen_width_ = *camera.screen_width / unit;
-        screen_height_ = camera.screen_height_given ? camera.screen_height / unit : screen_width_ / aspect;
+        view_.screen_width = *camera.screen_width / unit;
+        view_.screen_height = camera.screen_height_given ? camera.screen_height / unit : view_.screen_width / aspect;
     } else {
-        screen_height_ = camera.screen_height / unit;
-        screen_width_ = screen_height_ * aspect;
+        view_.screen_height = camera.screen_height / unit;
+        view_.screen_width = view_.screen_height * aspect;
     }
-    if (perspective) pixel_footprint_ = std::atan(screen_height_ / picture_height_);
+    if (perspective) pixel_footprint_ = std::atan(view_.screen_height / view_.picture_height);
 }
 
 Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
     Ray ray;
     if (projection_ == Camera::Projection::perspective) {
         ray.origin = location_;
-        ray.direction = forward_ + aside(x, y);
+        ray.direction = view_.forward + view_.aside(x, y);
     } else {
-        ray.origin = TwoPartPoint(location_, aside(x, y));
-        ray.direction = forward_;
+        ray.origin = TwoPartPoint(location_, view_.aside(x, y));
+        ray.direction = view_.forward;
     }
     if (has_lens_) {
-        const Vector offset = (lens_radius_ * lens.x) * right_ + (lens_radius_ * lens.y) * up_;
+        const Vector offset = (lens_radius_ * lens.x) * view_.right + (lens_radius_ * lens.y) * view_.up;
         ray.origin.offset = ray.origin.offset + offset;
         ray.direction = focus_ * ray.direction - offset;
     }
@@ -79,23 +78,27 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
     return ray;
 }
 
+// ray() for all lanes; what they share is read once, so that the loop becomes vector instructions.
+void CameraRays::rays_through_pinhole(const Places& __restrict places, RayPacket& __restrict packet) const {
+    const View view = view_;
+    VectorLanes& direction = packet.direction;
+    for (int i = 0; i < batch_size; ++i) direction.set(i, normalize(view.forward + view.aside(places.x[i], places.y[i])));
+    for (int i = 0; i < batch_size; ++i) packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
+}
+
 void CameraRays::rays(const Places& places, int count, RayPacket& packet) const {
     packet.clear();
     packet.key = places.key;
     if (projection_ == Camera::Projection::perspective && !has_lens_) {
-        for (int i = 0; i < batch_size; ++i) {
-            const int lane = i < count ? i : 0;
-            packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
-            packet.direction.set(i, normalize(forward_ + aside(places.x[lane], places.y[lane])));
-        }
+        rays_through_pinhole(places, packet);
         packet.departure.fill({});
         packet.count = count;
-        return;
-    }
-    for (int i = 0; i < count; ++i) {
-        Ray one = ray(places.x[i], places.y[i], places.lens[static_cast<std::size_t>(i)]);
-        one.key = places.key[static_cast<std::size_t>(i)];
-        packet.add(one);
+    } else {
+        for (int i = 0; i < count; ++i) {
+            Ray one = ray(places.x[i], places.y[i], places.lens[static_cast<std::size_t>(i)]);
+            one.key = places.key[static_cast<std::size_t>(i)];
+            packet.add(one);
+        }
     }
     packet.fill_up();
 }

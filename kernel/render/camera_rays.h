@@ -48,28 +48,34 @@ public:
     // The angle that a pixel subtends at the picture's centre; 0 where rays are parallel.
     double pixel_footprint() const { return pixel_footprint_; }
 
-    const Vector& right() const { return right_; }
-    const Vector& up() const { return up_; }
-    const Vector& forward() const { return forward_; }
+    const Vector& right() const { return view_.right; }
+    const Vector& up() const { return view_.up; }
+    const Vector& forward() const { return view_.forward; }
 
 private:
-    // From the middle of the picture to one of its places, at distance 1.
-    Vector aside(double x, double y) const {
-        const double to_right = (x / picture_width_ - 0.5) * screen_width_;
-        const double to_top = (0.5 - y / picture_height_) * screen_height_;
-        return to_right * right_ + to_top * up_;
-    }
+    // What the rays of all places share.
+    struct View {
+        Vector right, up, forward;
+        double picture_width = 1, picture_height = 1;  // pixels
+        // Perspective: the screen's size at distance 1. Orthographic: in world units.
+        double screen_width = 1, screen_height = 1;
 
+        // From the middle of the picture to one of its places, at distance 1.
+        Vector aside(double x, double y) const {
+            const double to_right = (x / picture_width - 0.5) * screen_width;
+            const double to_top = (0.5 - y / picture_height) * screen_height;
+            return to_right * right + to_top * up;
+        }
+    };
+
+    void rays_through_pinhole(const Places& places, RayPacket& packet) const;
     void orient(const Camera& camera);
     void measure_screen(const Camera& camera);
 
     Camera::Projection projection_;
     Point location_;
-    Vector right_, up_, forward_;
+    View view_;
     double screen_distance_ = 1;
-    double picture_width_, picture_height_;  // pixels
-    // Perspective: the screen's size at distance 1. Orthographic: in world units.
-    double screen_width_ = 1, screen_height_ = 1;
     double focus_, lens_radius_;
     bool has_lens_;
     std::vector<DiscPoint> lens_points_;

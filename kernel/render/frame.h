@@ -30,7 +30,9 @@ enum class Layer : std::uint8_t {
 inline constexpr int layer_count = 8;
 
 LAPIDARY_API std::string_view name_of(Layer layer);
-LAPIDARY_API int channels_of(Layer layer);
+constexpr int channels_of(Layer layer) {
+    return layer == Layer::colour || layer == Layer::normal || layer == Layer::position ? 3 : 1;
+}
 
 class LayerSet {
 public:
@@ -72,11 +74,15 @@ public:
     bool has(Layer layer) const { return !data_[static_cast<std::size_t>(layer)].empty(); }
 
     // The channels of one pixel of a layer that is kept.
-    std::span<float> pixel(Layer layer, int x, int y);
-    std::span<const float> pixel(Layer layer, int x, int y) const;
+    std::span<float> pixel(Layer layer, int x, int y) { return row(layer, x, x + 1, y); }
+    std::span<const float> pixel(Layer layer, int x, int y) const { return row(layer, x, x + 1, y); }
     // The channels of pixels x0 <= x < x1 of a row.
-    std::span<float> row(Layer layer, int x0, int x1, int y);
-    std::span<const float> row(Layer layer, int x0, int x1, int y) const;
+    std::span<float> row(Layer layer, int x0, int x1, int y) {
+        return std::span(data_[static_cast<std::size_t>(layer)]).subspan(place_of(layer, x0, y), floats_of(layer, x1 - x0));
+    }
+    std::span<const float> row(Layer layer, int x0, int x1, int y) const {
+        return std::span(data_[static_cast<std::size_t>(layer)]).subspan(place_of(layer, x0, y), floats_of(layer, x1 - x0));
+    }
     // A whole layer: width * height * channels_of(layer) floats.
     std::span<const float> layer(Layer layer) const;
 
@@ -90,8 +96,11 @@ public:
     bool is_complete() const { return complete_; }
 
 private:
-    std::size_t index_of(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    static constexpr std::size_t floats_of(Layer layer, int pixels) {
+        return static_cast<std::size_t>(pixels) * static_cast<std::size_t>(channels_of(layer));
+    }
+    std::size_t place_of(Layer layer, int x, int y) const {
+        return static_cast<std::size_t>(y) * floats_of(layer, width_) + floats_of(layer, x);
     }
 
     int width_, height_;

@@ -95,6 +95,12 @@ void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
         else
             wave.colours[i] = world_.background;
     }
+    for (int packet = 0; packet < wave.count / width; ++packet) {
+        const std::uint64_t rays = std::uint64_t{0xff} << (packet * width);
+        if ((waiting & rays) != rays || !wave.boundaries[packet].are_of_one_leaf() || !is_plain(wave, packet * width)) continue;
+        meet_one_leaf(wave, packet, first);
+        waiting &= ~rays;
+    }
     while (waiting != 0) {
         const int ray = std::countr_zero(waiting);
         if (is_plain(wave, ray)) {
@@ -107,29 +113,50 @@ void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
     if (single_faces_) single_faces_->fill_up();
 }
 
+// All rays of a packet meet the same leaf, as is usual where rays are close together: nothing has to be gathered.
+void PacketPaths::meet_one_leaf(Wave& wave, int packet, std::span<RaySample> first) {
+    const BoundaryPacket& boundaries = wave.boundaries[packet];
+    FacePacket& faces = new_faces();
+    faces.count = width;
+    for (int lane = 0; lane < width; ++lane) faces.ray[lane] = packet * width + lane;
+    show_leaf(wave, boundaries.leaf[0], boundaries.solid[0], wave.rays[packet], boundaries.t, faces, first);
+}
+
 // The first waiting ray's face, together with those of other rays that meet the same leaf.
 void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first) {
     const int leader = std::countr_zero(waiting);
-    const std::int32_t index = wave.leaf(leader);
-    const Leaf& leaf = world_.leaves[index];
-    const Solid& solid = world_.solids[wave.solid(leader)];
-    const std::int32_t shown =
-        leaf.appearance >= 0 ? leaf.appearance : world_.leaves[world_.product_leaves[solid.first_product_leaf]].medium;
-    const MaterialInstance& material = world_.materials[shown];
-
+    const std::int32_t leaf = wave.leaf(leader);
     FacePacket& faces = new_faces();
     RayPacket rays;
     Lanes t;
     for (std::uint64_t rest = waiting; rest != 0 && !faces.is_full(); rest &= rest - 1) {
         const int ray = std::countr_zero(rest);
-        if (wave.leaf(ray) != index) continue;
+        if (wave.leaf(ray) != leaf) continue;
         waiting &= ~(std::uint64_t{1} << ray);
-        t[faces.count] = wave.t(ray);
-        faces.departure[faces.count] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
-        add_plain_face(wave, ray, faces, rays, t);
+        const int lane = faces.count++;
+        rays.add(wave.ray(ray));
+        t[lane] = wave.t(ray);
+        faces.ray[lane] = ray;
     }
     rays.fill_up();
-    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
+    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
+    show_leaf(wave, leaf, wave.solid(leader), rays, t, faces, first);
+}
+
+// The faces of a leaf with the matter that they show; faces.ray is known already.
+void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t of_solid, const RayPacket& rays, const Lanes& t,
+                            FacePacket& faces, std::span<RaySample> first) {
+    const Leaf& leaf = world_.leaves[index];
+    const Solid& solid = world_.solids[of_solid];
+    const std::int32_t shown =
+        leaf.appearance >= 0 ? leaf.appearance : world_.leaves[world_.product_leaves[solid.first_product_leaf]].medium;
+    const MaterialInstance& material = world_.materials[shown];
+    faces.key = rays.key;
+    for (int lane = 0; lane < width; ++lane) {
+        const int ray = faces.ray[lane];
+        faces.departure[lane] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
+        note_path(wave.paths[ray], lane, t, faces);
+    }
     place_faces(leaf, rays, t, faces);
     give_matter(material, faces);
     describe(leaf, material, faces, first);
@@ -138,11 +165,14 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
 // What is known of a face from the ray alone. `t` of its lane is set.
 void PacketPaths::add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t) {
     const int lane = faces.count++;
-    const Path& path = wave.paths[ray];
     rays.add(wave.ray(ray));
     faces.ray[lane] = ray;
-    faces.travelled[lane] = path.travelled + t[lane];
     faces.key[lane] = rays.key[lane];
+    note_path(wave.paths[ray], lane, t, faces);
+}
+
+void PacketPaths::note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces) {
+    faces.travelled[lane] = path.travelled + t[lane];
     faces.light_samples[lane] = tracer_.extended_lights * path.faces;
 }
 
@@ -160,57 +190,76 @@ void PacketPaths::describe(const Leaf& leaf, const MaterialInstance& material, c
     }
 }
 
-// LineThroughSolid::face_at for all lanes.
-void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
-    PlacedLines placed;
-    place_lines(leaf.placement, rays, placed);
-    SpanBatch spans;
-    leaf.object->spans_batch(placed.lines, width, &spans);
-
-    // The end of a span before the anchor was added keeps the digits that t has lost at a distance.
+// Where the lines are in the leaf's own space. The end of a span before the anchor was added keeps the digits that t has lost
+// at a distance.
+PointBatch PacketPaths::local_points(const PlacedLines& __restrict placed, const SpanBatch& __restrict spans,
+                                     const Lanes& __restrict t) {
+    const LineBatch& lines = placed.lines;
     PointBatch local;
     for (int i = 0; i < width; ++i) {
         const double anchor = placed.anchor[i];
         double local_t = t[i] - anchor;
         local_t = anchor + spans.in[i] == t[i] ? spans.in[i] : local_t;
         local_t = anchor + spans.out[i] == t[i] ? spans.out[i] : local_t;
-        const LineBatch& lines = placed.lines;
         local.x[i] = std::fma(local_t, lines.direction_x[i], lines.closest_x[i]);
         local.y[i] = std::fma(local_t, lines.direction_y[i], lines.closest_y[i]);
         local.z[i] = std::fma(local_t, lines.direction_z[i], lines.closest_z[i]);
     }
-    unsigned near = 0;
-    for (int i = 0; i < width; ++i) near |= static_cast<unsigned>(is_near_root(t[i], placed.anchor[i])) << i;
-    if (leaf.face_count == 0) near = 0;
-    const auto for_near = [near](auto&& act) {
-        for (unsigned rest = near; rest != 0; rest &= rest - 1) act(std::countr_zero(rest));
-    };
-    std::array<TwoPartPoint, width> near_points;
-    for_near([&](int i) {
-        near_points[i] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
-        const Point p = leaf.placement.to_local(near_points[i]);
+    return local;
+}
+
+// LineThroughSolid::face_at for all lanes.
+void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
+    PlacedLines placed;
+    place_lines(leaf.placement, rays, placed);
+    SpanBatch spans;
+    leaf.object->spans_batch(placed.lines, width, &spans);
+    PointBatch local = local_points(placed, spans, t);
+
+    // Beside the rays' origins points are taken from there.
+    std::int64_t near_count = 0;
+    for (int i = 0; i < width; ++i) near_count += is_near_root(t[i], placed.anchor[i]);
+    const bool any_near = near_count > 0 && leaf.face_count > 0;
+    std::array<TwoPartPoint, width> near;
+    for (int i = 0; any_near && i < width; ++i) {
+        if (!is_near_root(t[i], placed.anchor[i])) continue;
+        near[i] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
+        const Point p = leaf.placement.to_local(near[i]);
         local.x[i] = p.x, local.y[i] = p.y, local.z[i] = p.z;
-    });
+    }
+
     NormalBatch normals;
     leaf.object->normals_batch(local, width, &normals);
-
-    const Transform placement = leaf.placement;
-    const TwoPartPoint& centre = placement.centre();
-    for (int i = 0; i < width; ++i) {
-        const Vector offset = placement.to_parent(to_vector(local.point(i))) + centre.offset;
-        faces.anchor.set(i, centre.anchor), faces.offset.set(i, offset);
-        const Normal outward = normalize(placement.to_parent(Normal(normals.x[i], normals.y[i], normals.z[i])));
-        const Vector arriving = rays.direction[i];
-        const double sign = dot(outward, arriving) > 0 ? -1 : 1;
-        faces.arriving.set(i, arriving);
-        faces.outward.set(i, outward);
-        faces.geometric.set(i, Vector{sign * outward.x, sign * outward.y, sign * outward.z});
-    }
-    for_near([&](int i) { faces.anchor.set(i, near_points[i].anchor), faces.offset.set(i, near_points[i].offset); });
+    faces.arriving = rays.direction;
+    if (leaf.placement.has_identity_linear())
+        place_in_world<true>(leaf.placement, local, normals, faces);
+    else
+        place_in_world<false>(leaf.placement, local, normals, faces);
+    for (int i = 0; any_near && i < width; ++i)
+        if (is_near_root(t[i], placed.anchor[i])) faces.anchor.set(i, near[i].anchor), faces.offset.set(i, near[i].offset);
     for (int i = 0; i < width; ++i) {
         faces.points.x[i] = faces.anchor.x[i] + faces.offset.x[i];
         faces.points.y[i] = faces.anchor.y[i] + faces.offset.y[i];
         faces.points.z[i] = faces.anchor.z[i] + faces.offset.z[i];
+    }
+}
+
+template <bool identity>
+void PacketPaths::place_in_world(const Transform& placement, const PointBatch& __restrict local,
+                                 const NormalBatch& __restrict normals, FacePacket& __restrict faces) {
+    const TwoPartPoint centre = placement.centre();
+    const Matrix3 linear = placement.linear(), inverse = placement.inverse_linear();
+    for (int i = 0; i < width; ++i) {
+        const Vector place = to_vector(local.point(i));
+        faces.anchor.set(i, centre.anchor);
+        faces.offset.set(i, (identity ? place : multiply(place, linear)) + centre.offset);
+    }
+    for (int i = 0; i < width; ++i) {
+        const Vector normal{normals.x[i], normals.y[i], normals.z[i]};
+        const Vector outward = normalize(identity ? normal : multiply_transposed(normal, inverse));
+        const double sign = dot(outward, faces.arriving[i]) > 0 ? -1 : 1;
+        faces.outward.set(i, outward);
+        faces.geometric.set(i, Vector{sign * outward.x, sign * outward.y, sign * outward.z});
     }
     faces.shading = faces.geometric;
 }
@@ -308,8 +357,7 @@ void PacketPaths::FacePacket::fill_up() {
 
 void PacketPaths::light_faces() {
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
-    for (RayPacket& rays : shadows_.rays) rays.clear();
-    shadows_.count = 0;
+    shadows_.clear(), dimmed_.clear();
     AimedLights aimed;
     for (const auto& light : world_.lights) {
         for (std::size_t p = 0; p < face_packets_; ++p) {
@@ -329,8 +377,8 @@ void PacketPaths::begin_light(FacePacket& faces) {
     const LightSampleBatch middle{};
     for (const auto& ambient : world_.ambient_lights) {
         IlluminationBatch all_around;
-        ambient->toward_batch(faces.points, middle, faces.count, &all_around);
-        for (int i = 0; i < faces.count; ++i) {
+        ambient->toward_batch(faces.points, middle, width, &all_around);
+        for (int i = 0; i < width; ++i) {
             faces.ambient.r[i] += all_around.r[i];
             faces.ambient.g[i] += all_around.g[i];
             faces.ambient.b[i] += all_around.b[i];
@@ -373,51 +421,111 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
     tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
 }
 
+// Shadow rays to a light for all lanes, also those that it does not reach.
+void PacketPaths::aim_shadow_rays(FacePacket& __restrict faces, const AimedLights& __restrict aimed, RayPacket& __restrict rays,
+                                  Lanes& __restrict distances, Gains& __restrict gains) {
+    const IlluminationBatch& light = aimed.illumination;
+    rays.count = width, rays.departs = true;
+    rays.anchor = faces.anchor, rays.offset = faces.offset;
+    rays.departure = faces.departure, rays.key = faces.key;
+    Lanes outward, ahead;
+    for (int i = 0; i < width; ++i) {
+        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
+        rays.direction.set(i, direction);
+        outward[i] = dot(direction, faces.outward[i]), ahead[i] = dot(direction, faces.geometric[i]);
+        distances[i] = end_before_light(faces.points.point(i), light.distance[i]);
+    }
+    for (int i = 0; i < width; ++i) gains.radiance.set(i, Colour{light.r[i], light.g[i], light.b[i]});
+    for (int i = 0; i < width; ++i) gains.to_light[i] = light.distance[i];
+    gains.diffuse = aimed.diffuse, gains.highlight = aimed.highlight;
+    for (int i = 0; i < width; ++i) {
+        rays.departure[i].inward = outward[i] < 0;
+        if (faces.is_transparent(i) && !(ahead[i] > 0)) rays.departure[i].cell = faces.cell_behind[i];
+        gains.faces[i] = &faces, gains.lane[i] = i;
+    }
+}
+
+void PacketPaths::Gains::take(int to, const Gains& other, int from) {
+    radiance.set(to, other.radiance[from]);
+    diffuse[to] = other.diffuse[from], highlight[to] = other.highlight[from], to_light[to] = other.to_light[from];
+    faces[to] = other.faces[from], lane[to] = other.lane[from];
+}
+
+std::size_t PacketPaths::Shadows::packets() const {
+    return static_cast<std::size_t>(std::count_if(rays.begin(), rays.end(), [](const RayPacket& r) { return r.count > 0; }));
+}
+
+unsigned PacketPaths::Shadows::lanes() const {
+    unsigned lanes = 0;
+    for (std::size_t p = 0; p < rays.size(); ++p) lanes |= ((1U << rays[p].count) - 1) << (p * width);
+    return lanes;
+}
+
+void PacketPaths::Shadows::clear() {
+    for (RayPacket& packet : rays) packet.clear();
+}
+
+void PacketPaths::Shadows::fill_up() {
+    for (std::size_t p = 0; p < packets(); ++p) rays[p].fill_up();
+}
+
+void PacketPaths::Shadows::take(std::size_t packet, const RayPacket& from_rays, const Lanes& from_distances, const Gains& from,
+                                int lane) {
+    const int to = rays[packet].count;
+    rays[packet].add(from_rays.ray(lane));
+    distances[packet][to] = from_distances[lane];
+    gains[packet].take(to, from, lane);
+}
+
+// A packet of shadow rays that are not on their way yet, of so few or none; where there is none, those that wait go first.
+std::size_t PacketPaths::shadow_packet(int most_rays) {
+    if (const std::size_t p = shadows_.packet_of(most_rays); p < shadows_.rays.size()) return p;
+    cast_shadows();
+    return 0;
+}
+
 void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
+    constexpr unsigned all = (1u << width) - 1;
+    if (aimed.arrives == all) {
+        const std::size_t p = shadow_packet(0);
+        aim_shadow_rays(faces, aimed, shadows_.rays[p], shadows_.distances[p], shadows_.gains[p]);
+        return;
+    }
+    if (aimed.arrives == 0) return;
+    RayPacket rays;
+    Lanes distances;
+    Gains gains;
+    aim_shadow_rays(faces, aimed, rays, distances, gains);
     for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
-        const int lane = std::countr_zero(rest);
-        const IlluminationBatch& light = aimed.illumination;
-        const Vector direction{light.direction_x[lane], light.direction_y[lane], light.direction_z[lane]};
-        const int shadow = shadows_.count++, packet = shadow / width;
-        shadows_.rays[packet].add(faces.depart(lane, direction));
-        const Point from{faces.points.x[lane], faces.points.y[lane], faces.points.z[lane]};
-        shadows_.distances[packet][shadow % width] = end_before_light(from, light.distance[lane]);
-        shadows_.to_light[shadow] = light.distance[lane];
-        shadows_.radiance[shadow] = {light.r[lane], light.g[lane], light.b[lane]};
-        shadows_.diffuse[shadow] = aimed.diffuse[lane], shadows_.highlight[shadow] = aimed.highlight[lane];
-        shadows_.faces[shadow] = &faces, shadows_.lane[shadow] = lane;
-        if (shadows_.count == Shadows::most) cast_shadows();
+        const std::size_t p = shadow_packet(width - 1);
+        shadows_.take(p, rays, distances, gains, std::countr_zero(rest));
     }
 }
 
 void PacketPaths::cast_shadows() {
-    if (shadows_.count == 0) return;
-    const std::size_t packets = (static_cast<std::size_t>(shadows_.count) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; ++p) shadows_.rays[p].fill_up();
-    const std::span rays = std::span(shadows_.rays).first(packets);
-    const std::span distances = std::span(shadows_.distances).first(packets);
+    if (shadows_.is_empty()) return;
+    shadows_.fill_up();
+    const std::span rays = std::span(shadows_.rays).first(shadows_.packets());
+    const std::span distances = std::span(shadows_.distances).first(rays.size());
     const PacketThroughWorld::Shadows met = world_.features.transparency
                                                 ? packet_.shadows(rays, distances)
                                                 : PacketThroughWorld::Shadows{packet_.blocked(rays, distances), 0};
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(shadows_.count);
-    const unsigned all = (1u << shadows_.count) - 1;
+    const unsigned all = shadows_.lanes();
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(std::popcount(all));
     for (unsigned rest = all & ~met.blocked; rest != 0; rest &= rest - 1) {
         const int shadow = std::countr_zero(rest);
         if ((met.asked >> shadow & 1) != 0)
             dim_later(shadow);
         else
-            light_face(shadows_, shadow, shadows_.radiance[shadow]);
+            light_face(shadows_.gains[shadow / width], shadow % width, Colour::white());
     }
-    for (RayPacket& packet : shadows_.rays) packet.clear();
-    shadows_.count = 0;
+    shadows_.clear();
 }
 
-void PacketPaths::light_face(const Shadows& shadows, int shadow, const Colour& arrives) {
-    FacePacket& faces = *shadows.faces[shadow];
-    const int lane = shadows.lane[shadow];
-    const Colour diffuse = shadows.diffuse[shadow] * arrives, highlight = shadows.highlight[shadow] * arrives;
-    faces.diffuse.r[lane] += diffuse.r, faces.diffuse.g[lane] += diffuse.g, faces.diffuse.b[lane] += diffuse.b;
-    faces.highlight.r[lane] += highlight.r, faces.highlight.g[lane] += highlight.g, faces.highlight.b[lane] += highlight.b;
+void PacketPaths::light_face(const Gains& gains, int ray, const Colour& passed) {
+    const Colour arrives = gains.radiance[ray] * passed;
+    gains.faces[ray]->diffuse.add(gains.lane[ray], gains.diffuse[ray] * arrives);
+    gains.faces[ray]->highlight.add(gains.lane[ray], gains.highlight[ray] * arrives);
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "kernel/csg/packet_through_world.h"
+#include "kernel/csg/placed_lines.h"
 #include "kernel/interfaces/light.h"
 #include "kernel/render/tracer_implementation.h"
 
@@ -26,6 +27,7 @@ struct ColourLanes {
     Lanes r, g, b;
     Colour operator[](int lane) const { return {r[lane], g[lane], b[lane]}; }
     void set(int lane, const Colour& c) { r[lane] = c.r, g[lane] = c.g, b[lane] = c.b; }
+    void add(int lane, const Colour& c) { r[lane] += c.r, g[lane] += c.g, b[lane] += c.b; }
 };
 
 class PacketPaths {
@@ -111,16 +113,34 @@ private:
         unsigned arrives = 0;  // the lanes that it may reach
     };
 
-    // Shadow rays on their way, and what each adds if nothing is in the way.
+    // What shadow rays add to which faces if nothing is in the way.
+    struct Gains {
+        ColourLanes radiance;
+        Lanes diffuse, highlight, to_light;  // `to_light` is the distance, of which the ray's lacks a little
+        std::array<FacePacket*, width> faces;
+        std::array<std::int32_t, width> lane;
+
+        void take(int to, const Gains& other, int from);
+    };
+    // Shadow rays on their way, in packets of which not every one is full; ray i stands in lane i % width of packet i / width.
     struct Shadows {
         static constexpr int most = static_cast<int>(PacketThroughWorld::most_packets) * width;
-        int count = 0;
         std::array<RayPacket, PacketThroughWorld::most_packets> rays;
         std::array<Lanes, PacketThroughWorld::most_packets> distances;
-        std::array<Colour, most> radiance;
-        std::array<double, most> diffuse, highlight, to_light;  // `to_light` is the distance, of which `distances` lack a little
-        std::array<FacePacket*, most> faces;
-        std::array<std::int32_t, most> lane;
+        std::array<Gains, PacketThroughWorld::most_packets> gains;
+
+        bool is_empty() const { return rays[0].count == 0; }
+        std::size_t packets() const;  // that have rays
+        unsigned lanes() const;       // that have rays: bit i for ray i
+        // The first packet of so many rays or fewer; none: most_packets.
+        std::size_t packet_of(int most_rays) const {
+            std::size_t p = 0;
+            while (p < rays.size() && rays[p].count > most_rays) ++p;
+            return p;
+        }
+        void take(std::size_t packet, const RayPacket& from_rays, const Lanes& from_distances, const Gains& from, int lane);
+        void clear();
+        void fill_up();
     };
 
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
@@ -128,18 +148,28 @@ private:
     void collect_faces(Wave& wave, std::span<RaySample> first);
     bool is_plain(const Wave& wave, int ray) const;
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
+    void meet_one_leaf(Wave& wave, int packet, std::span<RaySample> first);
     void add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t);
+    void note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces);
+    void show_leaf(const Wave& wave, std::int32_t leaf, std::int32_t solid, const RayPacket& rays, const Lanes& t,
+                   FacePacket& faces, std::span<RaySample> first);
     void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
     void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
-    void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    static void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    static PointBatch local_points(const PlacedLines& placed, const SpanBatch& spans, const Lanes& t);
+    template <bool identity>
+    static void place_in_world(const Transform& placement, const PointBatch& local, const NormalBatch& normals,
+                               FacePacket& faces);
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces();
     void begin_light(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
+    static void aim_shadow_rays(FacePacket& faces, const AimedLights& aimed, RayPacket& rays, Lanes& distances, Gains& gains);
+    std::size_t shadow_packet(int most_rays);
     void cast_shadows();
-    void light_face(const Shadows& shadows, int shadow, const Colour& arrives);
+    static void light_face(const Gains& gains, int ray, const Colour& passed);
     void finish_colours(std::size_t depth);
     void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
     FacePacket& new_faces();

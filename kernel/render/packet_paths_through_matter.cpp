@@ -291,32 +291,28 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
 
 // A shadow ray that nothing blocks for certain, to be followed through what it meets before the next light's turn.
 void PacketPaths::dim_later(int shadow) {
-    if (dimmed_.count == 0)
-        for (RayPacket& packet : dimmed_.rays) packet.clear();
-    const int next = dimmed_.count++, packet = next / width, lane = next % width;
-    dimmed_.rays[packet].add(shadows_.rays[shadow / width].ray(shadow % width));
-    dimmed_.distances[packet][lane] = shadows_.distances[shadow / width][shadow % width];
-    dimmed_.radiance[next] = shadows_.radiance[shadow], dimmed_.to_light[next] = shadows_.to_light[shadow];
-    dimmed_.diffuse[next] = shadows_.diffuse[shadow], dimmed_.highlight[next] = shadows_.highlight[shadow];
-    dimmed_.faces[next] = shadows_.faces[shadow], dimmed_.lane[next] = shadows_.lane[shadow];
-    if (dimmed_.count == Shadows::most) cast_dimmed_shadows();
+    const auto from = static_cast<std::size_t>(shadow / width);
+    if (dimmed_.packet_of(width - 1) == dimmed_.rays.size()) cast_dimmed_shadows();
+    dimmed_.take(dimmed_.packet_of(width - 1), shadows_.rays[from], shadows_.distances[from], shadows_.gains[from],
+                 shadow % width);
 }
 
 // Tracer::Implementation::light_through for all lanes, from change to change.
 void PacketPaths::cast_dimmed_shadows() {
-    if (dimmed_.count == 0) return;
-    const std::size_t packets = (static_cast<std::size_t>(dimmed_.count) + width - 1) / width;
+    if (dimmed_.is_empty()) return;
+    const std::size_t packets = dimmed_.packets();
+    const unsigned all = dimmed_.lanes();
     std::array<PacketThroughWorld::Stretch, PacketThroughWorld::most_packets> stretches;
     std::array<ChangePacket, PacketThroughWorld::most_packets> changes;
     std::array<Colour, Shadows::most> passed;
     passed.fill(Colour::white());
-    for (std::size_t p = 0; p < packets; ++p) {
-        dimmed_.rays[p].fill_up();
+    dimmed_.fill_up();
+    for (std::size_t p = 0; p < dimmed_.rays.size(); ++p) {
         stretches[p].from.v.fill(0), stretches[p].limit.v.fill(-1);
+        for (int lane = 0; lane < dimmed_.rays[p].count; ++lane) stretches[p].limit[lane] = dimmed_.gains[p].to_light[lane];
     }
-    for (int i = 0; i < dimmed_.count; ++i) stretches[i / width].limit[i % width] = dimmed_.to_light[i];
 
-    for (unsigned under_way = (1U << dimmed_.count) - 1; under_way != 0;) {
+    for (unsigned under_way = all; under_way != 0;) {
         packet_.first_changes(std::span(dimmed_.rays).first(packets), std::span(stretches).first(packets), changes);
         for (unsigned rest = under_way; rest != 0; rest &= rest - 1) {
             const int i = std::countr_zero(rest);
@@ -329,24 +325,28 @@ void PacketPaths::cast_dimmed_shadows() {
             under_way &= ~(1U << i);
         }
     }
-    for (int i = 0; i < dimmed_.count; ++i) light_face(dimmed_, i, dimmed_.radiance[i] * passed[i]);
-    dimmed_.count = 0;
+    for (unsigned rest = all; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        light_face(dimmed_.gains[i / width], i % width, passed[i]);
+    }
+    dimmed_.clear();
 }
 
 // What the matter up to the next change, and the face there, leave of the light. Whether the way goes on behind it.
 bool PacketPaths::dim(int shadow, const ChangePacket& changes, double from, Colour& passed) {
     const int lane = shadow % width;
     const RayPacket& rays = dimmed_.rays[shadow / width];
+    const double to_light = dimmed_.gains[shadow / width].to_light[lane];
     const Boundary boundary = boundary_of(changes, lane);
     const bool changes_here = !(boundary.before == boundary.after);
     const bool at_light = boundary.t >= dimmed_.distances[shadow / width][lane];
     if ((changes.unclear >> lane & 1) != 0 || (!at_light && changes_here && boundary.leaf < 0)) {
-        passed = tracer_.light_through(rays.ray(lane), dimmed_.to_light[shadow]);
+        passed = tracer_.light_through(rays.ray(lane), to_light);
         return false;
     }
     if (!boundary.before.is_empty()) {
         const MaterialInstance& medium = world_.materials[boundary.before.medium];
-        const double to = std::min(boundary.t, dimmed_.to_light[shadow]);
+        const double to = std::min(boundary.t, to_light);
         passed = passed * tracer_.medium_lets_through(medium, rays.ray(lane), from, to);
     }
     if (at_light) return false;

@@ -26,6 +26,7 @@ using Seconds = std::chrono::duration<double>;
 constexpr int tile_size = 32;
 // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
 constexpr std::size_t most_rays = 64;
+constexpr int block_size = 8;  // most_rays pixels in a square
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
@@ -80,6 +81,13 @@ constexpr int even_bits(unsigned x) {
     return static_cast<int>((x | (x >> 4)) & 0x00ffu);
 }
 
+// The pixels of a block along the Z-shaped curve of Morton: each eight of them are close together.
+constexpr std::array<Place, most_rays> pixels_of_block = [] {
+    std::array<Place, most_rays> pixels;
+    for (unsigned code = 0; code < most_rays; ++code) pixels[code] = {even_bits(code), even_bits(code >> 1)};
+    return pixels;
+}();
+
 // Visits a tile's pixels along the Z-shaped curve of Morton.
 template <typename Visit>
 void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
@@ -92,7 +100,8 @@ void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
 
 float to_float(double value) {
     constexpr double largest_float = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(value, -largest_float, largest_float));
+    const double from_below = value < largest_float ? value : largest_float;
+    return static_cast<float>(from_below > -largest_float ? from_below : -largest_float);
 }
 
 // How many samples a pixel will still take if its error falls as it should.
@@ -140,6 +149,17 @@ double processor_time() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+// The middles of eight pixels, and the keys of their first samples.
+void set_middles(std::span<const Place, batch_size> pixels, std::uint32_t sequence, CameraRays::Places& places) {
+    std::array<std::uint32_t, batch_size> x, y, key;
+    for (std::size_t i = 0; i < batch_size; ++i) {
+        x[i] = static_cast<std::uint32_t>(pixels[i].x), y[i] = static_cast<std::uint32_t>(pixels[i].y);
+        places.x.v[i] = pixels[i].x + 0.5, places.y.v[i] = pixels[i].y + 0.5;
+    }
+    for (std::size_t i = 0; i < batch_size; ++i) key[i] = pixel_key(x[i], y[i], sequence);
+    for (std::size_t i = 0; i < batch_size; ++i) places.key[i] = {key[i], 0};
+}
+
 class Passes {
 public:
     Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
@@ -159,6 +179,8 @@ private:
     void trace_tile(const PixelRegion& tile, Worker& worker);
     void trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker);
     void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
+    void sample_middles(const PixelRegion& tile, Worker& worker);
+    void sample_middles_of_block(const PixelRegion& block, Worker& worker);
     void flush(Worker& worker);
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -189,7 +211,7 @@ private:
                static_cast<std::size_t>(x - area_.x0);
     }
     bool is_in_region(int x, int y) const { return x >= region_.x0 && x < region_.x1 && y >= region_.y0 && y < region_.y1; }
-    bool finishes_tiles_at_once() const { return plan_.samples > 0 && !filter_.has_negative_lobes(); }
+    bool finishes_tiles_at_once() const { return plan_.samples == 1 || (plan_.samples > 1 && !filter_.has_negative_lobes()); }
     bool is_stopped() const;
     bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
     bool is_time_up() const { return options_.time && elapsed() >= *options_.time; }
@@ -298,7 +320,16 @@ void Passes::sample_uniformly(int samples) {
         if (frame_.has(Layer::error))  // of what will not be reached
             for (int y = region_.y0; y < region_.y1; ++y)
                 for (int x = region_.x0; x < region_.x1; ++x) frame_.pixel(Layer::error, x, y)[0] = static_cast<float>(infinity);
-        for_each_tile(region_, [&](const PixelRegion& tile) { sample_tile(tile, samples, workers_.local()); });
+        for_each_tile(region_, [&](const PixelRegion& tile) {
+            if (samples == 1)
+                sample_middles(tile, workers_.local());
+            else
+                sample_tile(tile, samples, workers_.local());
+            taken_samples_ += pixel_count(tile) * static_cast<std::size_t>(samples);
+            report_progress();
+            if (!is_stopped()) frame_.count_finished(pixel_count(tile));
+            announce(tile);
+        });
         return;
     }
     set_goals(static_cast<std::uint32_t>(samples));
@@ -401,10 +432,45 @@ void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
             worker.report.within_error += error <= plan_.error;
             ++worker.report.pixels;
         }
-    taken_samples_ += pixel_count(tile) * static_cast<std::size_t>(samples);
-    report_progress();
-    if (!is_stopped()) frame_.count_finished(pixel_count(tile));
-    announce(tile);
+}
+
+// A single sample is the middle of its pixel, and tells nothing of its error: there is nothing to remember of it.
+void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
+    for (int y = tile.y0; y < tile.y1; y += block_size)
+        for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += block_size)
+            sample_middles_of_block(intersection({x, y, x + block_size, y + block_size}, tile), worker);
+}
+
+void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
+    Batch& batch = *worker.batch;
+    std::array<Place, most_rays> pixels;
+    std::size_t size = 0;
+    pixels.fill({block.x0, block.y0});
+    for (const Place& place : pixels_of_block)
+        if (place.x < block.width() && place.y < block.height()) pixels[size++] = {block.x0 + place.x, block.y0 + place.y};
+
+    for (std::size_t begin = 0; begin < size; begin += batch_size) {
+        CameraRays::Places& places = batch.places[begin / batch_size];
+        set_middles(std::span(pixels).subspan(begin).first<batch_size>(), options_.sequence, places);
+        if (camera_.has_lens())
+            for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
+        camera_.rays(places, static_cast<int>(std::min<std::size_t>(batch_size, size - begin)), batch.rays[begin / batch_size]);
+    }
+    const std::size_t packets = (size + batch_size - 1) / batch_size;
+    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), wants_layers_);
+    if (is_cancelled()) return;  // paths may have ended on their way
+
+    for (std::size_t i = 0; i < size; ++i) {
+        const RaySample& sample = batch.samples[i];
+        const auto [x, y] = pixels[i];
+        const bool finite = is_finite(sample.colour);
+        const Colour colour = finite ? sample.colour : Colour::black();
+        worker.non_finite_samples += !finite;
+        store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
+        if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = 1;
+        if (wants_layers_) write_layers(pixels[i], sample);
+    }
+    worker.report.samples += size, worker.report.pixels += size;
 }
 
 void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker) {
@@ -421,15 +487,9 @@ void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, W
         if (++batch.size == most_rays) flush(worker);
     };
 
-    // The layers beside colour come from the pixel's centre; a single sample is the centre, too.
-    const bool single = plan_.samples == 1;
-    const bool layers = wants_layers_ && pixel.taken == 0 && is_in_region(x, y);
-    if (layers || (single && pixel.taken < pixel.goal)) {
-        const SampleKey key = sample_key(x, y, 0, options_.sequence);
-        const DiscPoint lens = single ? camera_.lens_point(key) : DiscPoint{};
-        queue(x + 0.5, y + 0.5, lens, key, {&pixel, single ? &pixel.estimate : nullptr, layers, place});
-        if (single) return;
-    }
+    // The layers beside colour come from the pixel's centre.
+    if (wants_layers_ && pixel.taken == 0 && is_in_region(x, y))
+        queue(x + 0.5, y + 0.5, {}, sample_key(x, y, 0, options_.sequence), {&pixel, nullptr, true, place});
 
     for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
         if (worker.batch->size == 0 && is_stopped()) return;

@@ -153,9 +153,13 @@ constexpr double to_unit_interval(std::uint32_t x) { return (x + 0.5) * 0x1p-32;
 }  // namespace sampling
 
 // Pictures of different `sequence` have independent samples.
+constexpr std::uint32_t pixel_key(std::uint32_t x, std::uint32_t y, std::uint32_t sequence) {
+    const std::uint32_t pixel = sampling::hash(x, y), of_sequence = sampling::hash(pixel, sequence);
+    return sequence == 0 ? pixel : of_sequence;
+}
+
 inline SampleKey sample_key(int x, int y, std::uint32_t sample, std::uint32_t sequence = 0) {
-    const std::uint32_t pixel = sampling::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-    return {sequence == 0 ? pixel : sampling::hash(pixel, sequence), sample};
+    return {pixel_key(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), sequence), sample};
 }
 
 inline SamplePair sample_pair(SampleKey key, std::uint32_t pair) {

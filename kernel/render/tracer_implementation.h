@@ -52,9 +52,9 @@ struct Encounter {
 // Where a shadow ray ends: as far before the light as makes sure that a face which the light stands on does not block it,
 // whatever rounding does, while the cosine between ray and face normal is above 1/1000. Of a light at infinity: nowhere.
 inline double end_before_light(const Point& from, double distance) {
-    if (distance == infinity) return distance;
-    const double size = std::fmax(std::fabs(from.x), std::fmax(std::fabs(from.y), std::fabs(from.z)));
-    return distance - 4096 * 0x1p-53 * (distance + size);
+    const double size = largest_magnitude(from);
+    const double before = distance - 4096 * 0x1p-53 * (distance + size);
+    return distance < infinity ? before : distance;
 }
 
 // A light as it falls on an encounter, before shadow.

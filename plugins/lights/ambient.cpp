@@ -2,11 +2,12 @@
 //
 // ambient: light from everywhere, equally, without direction or shadow.
 
+#include <lapidary/batched_light.h>
 #include <lapidary/plugin.h>
 
 namespace lapidary {
 
-class Ambient final : public Light {
+class Ambient final : public BatchedLight<Ambient> {
 public:
     static void describe(Schema<Ambient>& schema) {
         schema.summary("Light from everywhere, without direction or shadow.");
@@ -14,7 +15,7 @@ public:
         schema.add("intensity", &Ambient::intensity_).at_least(0).help("Factor to the colour.");
     }
 
-    Illumination toward(const Point&, const LightSample&) const override { return {{}, infinity, intensity_ * colour_}; }
+    Illumination from_middle(const Point&) const { return {{}, infinity, intensity_ * colour_}; }
 
     bool is_ambient() const override { return true; }
 

@@ -15,8 +15,7 @@ namespace lapidary {
 
 // The length of v, not lost where its square would overflow or vanish.
 inline double distance_of(const Vector& v) {
-    const double x = std::fabs(v.x), y = std::fabs(v.y), z = std::fabs(v.z);
-    const double larger = x > y ? x : y, scale = scale_to_one(larger > z ? larger : z);
+    const double scale = scale_to_one(largest_magnitude(v));
     return length(scale * v) / scale;
 }
 
@@ -58,8 +57,10 @@ inline Vector direction_in_cone(const Vector& axis, double versine, const LightS
 // Light from a point at the end of `to_centre`. A point at the light's own place gets none of it: there is no direction to it.
 inline Illumination point_light(const Vector& to_centre, const Colour& colour, double intensity) {
     const double distance = distance_of(to_centre);
-    if (!(distance > 0)) return {};
-    return {normalize(to_centre), distance, colour * inverse_square(intensity, distance)};
+    // Chosen instead of returned early, so that a loop over points stays vector instructions.
+    const bool apart = distance > 0;
+    const double light = inverse_square(intensity, distance);
+    return {normalize(to_centre), apart ? distance : infinity, colour * (apart ? light : 0)};
 }
 
 // Light from a ball of radius r > 0 about the end of `to_centre`, which sends `intensity` in every direction as a point
