@@ -119,7 +119,14 @@ int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) {
         common = both;
         count = kept;
     }
-    count = std::min(count, world_.most_spans);
+    // Where surfaces meet in a point, rounding may leave a trace of what the leaf does not reach: the cone's other nappe.
+    while (count > leaf.object->max_spans()) {
+        const auto end = common.begin() + count;
+        const auto shortest =
+            std::min_element(common.begin(), end, [](const Span& a, const Span& b) { return a.out - a.in < b.out - b.in; });
+        std::move(shortest + 1, end, shortest);
+        --count;
+    }
     std::copy_n(common.begin(), count, out);
     return count;
 }
@@ -195,6 +202,7 @@ double LineThroughSolid::enter(double t) {
         if (inside(in + longest, Side::after)) return in;
         const double out = leave_root(in);
         if (out - in > longest) return in;
+        if (!(out > t)) return infinity;  // numbers have overflowed, and no step leads on
         ++statistics_.slivers_removed;
         t = out;
     }

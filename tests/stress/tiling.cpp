@@ -5,8 +5,11 @@
 // pieces and the odd ones have nothing in common.
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numbers>
+#include <string>
 
+#include "stress/exact.h"
 #include "support/measurement.h"
 #include "support/solids.h"
 
@@ -116,43 +119,88 @@ public:
         return (out - in) / setting_.size;
     }
 
+    // The cosine with which the ray meets the whole box at t; on an edge, the lesser one.
+    double steepness(const Ray& ray, double t) const {
+        const Point low = world({0, 0, 0}), high = world({8, 8, 8}), p = ray.origin.anchor + t * ray.direction;
+        const std::array<double, 3> at{p.x, p.y, p.z}, along{ray.direction.x, ray.direction.y, ray.direction.z};
+        const std::array<double, 3> lows{low.x, low.y, low.z}, highs{high.x, high.y, high.z};
+        double least = 1;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (along[i] != 0 && std::min(std::fabs(at[i] - lows[i]), std::fabs(at[i] - highs[i])) < 1e-3 * setting_.size)
+                least = std::min(least, std::fabs(along[i]));
+        return least;
+    }
+
 private:
     SolidMaker maker_;
     Setting setting_;
     std::vector<Box> boxes_;
 };
 
+// What a tiling is asked about.
+struct Trio {
+    SpansThrough united, difference, common;
+};
+
 void check_tilings(int tilings, int rays) {
     const Setting setting =
-        GENERATE(Setting{1, 0}, Setting{1, 1e3}, Setting{1, 1e6}, Setting{1e-6, 0}, Setting{1e-6, 1e3}, Setting{1e6, 0});
+        GENERATE(Setting{1, 0}, Setting{1, 1e3}, Setting{1, 1e6}, Setting{1, 1e9}, Setting{1e-6, 0}, Setting{1e-6, 1e3},
+                 Setting{1e6, 0}, Setting{1e6, 1e3}, Setting{1e6, 1e6}, Setting{1e6, 1e9});
     CAPTURE(setting.size, setting.offset);
     test::Measurement whole({"T23", "union of the pieces of a box", "", 0}), nothing({"T23", "box minus its pieces", "", 0}),
-        apart({"T23", "even and odd pieces of a box", "", 0});
+        apart({"T23", "even and odd pieces of a box", "", 0}),
+        mirrored({"T40", "a box of pieces, backward", "u (t + place) / cos", 8});
+    const auto check = [&](Trio& trio, const Ray& ray) {
+        const std::vector<Span> spans = whole.timed([&] { return trio.united(ray); });
+        whole.expect(spans.size() == 1);
+        nothing.expect(nothing.timed([&] { return trio.difference(ray).empty(); }));
+        apart.expect(apart.timed([&] { return trio.common(ray).empty(); }));
+        return spans;
+    };
     int checked = 0;
     for (int tiling_number = 0; tiling_number < tilings; ++tiling_number) {
         Tiling tiling(static_cast<unsigned>(100 + tiling_number), setting);
-        SpansThrough united(tiling.all(Operation::union_)), difference(tiling.difference()), common(tiling.common());
+        Trio trio{SpansThrough(tiling.all(Operation::union_)), SpansThrough(tiling.difference()), SpansThrough(tiling.common())};
         for (int kind = 0; kind < 5; ++kind)
             for (int i = 0; i < rays; ++i) {
                 const Ray ray = tiling.ray(kind);
                 // Leave out rays that all but miss the whole box: there the sum of the pieces is decided by rounding.
                 if (tiling.chord(ray) < 1e-3) continue;
                 ++checked;
-                whole.expect(whole.timed([&] { return united(ray).size(); }) == 1);
-                nothing.expect(nothing.timed([&] { return difference(ray).empty(); }));
-                apart.expect(apart.timed([&] { return common(ray).empty(); }));
+                const double distance = 64 * setting.size;
+                const std::vector<Span> there = check(trio, ray), back = check(trio, reversed(ray, distance));
+                const bool begins_outside = there.size() == 1 && back.size() == 1 && there[0].in > 0;
+                if (!begins_outside) continue;
+                const double rounding = test::u * (distance + setting.offset);
+                mirrored.record((there[0].in + back[0].out - distance) * tiling.steepness(ray, there[0].in) / rounding);
+                mirrored.record((there[0].out + back[0].in - distance) * tiling.steepness(ray, there[0].out) / rounding);
             }
     }
     CHECK(checked > tilings * rays);
 }
 
-}  // namespace
+// Disjoint solids that share a line or a point: every second of them, and the rest, have nothing in common, and together they
+// leave no gap. Rays are aimed at `shared`, forward and backward.
+void check_neighbours(const std::string& what, SolidMaker& maker, const std::vector<SceneNodePtr>& all, int rays,
+                      const std::function<Point()>& shared) {
+    std::vector<SceneNodePtr> even, odd;
+    for (std::size_t i = 0; i < all.size(); ++i) (i % 2 == 0 ? even : odd).push_back(all[i]);
+    SpansThrough common(
+        maker.combine(Operation::intersection, {maker.combine(Operation::union_, even), maker.combine(Operation::union_, odd)}));
+    SpansThrough united(maker.combine(Operation::merge, all));  // one solid: rule S knows no gaps between solids
+    test::Measurement slivers({"T97", what + ", even and odd", "", 0}), gaps({"T97", what + ", all of them", "", 0});
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int i = 0; i < rays; ++i) {
+        const Vector direction{uniform(maker.random), uniform(maker.random), uniform(maker.random)};
+        const Ray there = ray_from(shared() - 6 * direction, direction);
+        for (const Ray& ray : {there, reversed(there, 16)}) {
+            slivers.expect(slivers.timed([&] { return common(ray).empty(); }));
+            gaps.expect(gaps.timed([&] { return united(ray).size() <= 1; }));
+        }
+    }
+}
 
-TEST_CASE("T23 A box cut into pieces is whole, whatever the ray") { check_tilings(4, 120); }
-
-TEST_CASE("T23 A box cut into pieces is whole, in a million rays", "[.long]") { check_tilings(40, 1000); }
-
-TEST_CASE("T97 Disjoint wedges about one axis have nothing in common and leave no gap") {
+void check_wedges(int rays) {
     const int planes = GENERATE(3, 5, 8, 13, 24);
     CAPTURE(planes);
     SolidMaker maker(7);
@@ -160,25 +208,38 @@ TEST_CASE("T97 Disjoint wedges about one axis have nothing in common and leave n
     const auto half_space = [&](double angle) {
         return maker.leaf("halfspace", {rotate({0, 0, 1}, angle)});  // y <= 0, turned about z
     };
-    std::vector<SceneNodePtr> even, odd, all;
+    std::vector<SceneNodePtr> wedges;
     for (int i = 0; i < 2 * planes; ++i) {
         const double from = std::numbers::pi * i / planes, to = std::numbers::pi * (i + 1) / planes;
-        const SceneNodePtr wedge = maker.combine(Operation::intersection, {half_space(from + std::numbers::pi), half_space(to),
-                                                                           maker.leaf("sphere", {scale(3, 3, 3)})});
-        (i % 2 == 0 ? even : odd).push_back(wedge);
-        all.push_back(wedge);
+        wedges.push_back(maker.combine(Operation::intersection, {half_space(from + std::numbers::pi), half_space(to),
+                                                                 maker.leaf("sphere", {scale(3, 3, 3)})}));
     }
-    SpansThrough common(
-        maker.combine(Operation::intersection, {maker.combine(Operation::union_, even), maker.combine(Operation::union_, odd)}));
-    SpansThrough united(maker.combine(Operation::union_, all));
     std::uniform_real_distribution<double> uniform(-1, 1);
-    test::Measurement slivers({"T97", "even and odd wedges", "", 0}), gaps({"T97", "union of wedges", "", 0});
-    for (int i = 0; i < 2000; ++i) {
-        // Aimed at a point of the axis exactly.
-        const Point axis{0, 0, uniform(maker.random)};
-        const Vector direction{uniform(maker.random), uniform(maker.random), uniform(maker.random)};
-        const Ray ray = ray_from(axis - 6 * direction, direction);
-        slivers.expect(slivers.timed([&] { return common(ray).empty(); }));
-        gaps.expect(gaps.timed([&] { return united(ray).size() <= 1; }));
-    }
+    check_neighbours("wedges", maker, wedges, rays, [&] { return Point{0, 0, uniform(maker.random)}; });
 }
+
+// Cones of one apex and one base, each less the next narrower one; rays through the apex.
+void check_cones(int rays) {
+    const int cones = GENERATE(2, 5, 12);
+    CAPTURE(cones);
+    SolidMaker maker(8);
+    const auto cone = [&](int i) {
+        return maker.leaf("cone", maker.there_and_back(2), {{"radii", {3.0 * (cones - i) / cones, 0}}, {"height", {4}}});
+    };
+    std::vector<SceneNodePtr> shells;
+    for (int i = 0; i < cones; ++i)
+        shells.push_back(i + 1 < cones ? maker.combine(Operation::subtraction, {cone(i), cone(i + 1)}) : cone(i));
+    check_neighbours("cones of one apex", maker, shells, rays, [] { return Point{0, 2, 0}; });
+}
+
+}  // namespace
+
+TEST_CASE("T23 A box cut into pieces is whole, whatever the ray") { check_tilings(4, 120); }
+
+TEST_CASE("T23 A box cut into pieces is whole, in a million rays", "[.long]") { check_tilings(40, 250); }
+
+TEST_CASE("T97 Disjoint wedges about one axis have nothing in common and leave no gap") { check_wedges(1000); }
+TEST_CASE("T97 Disjoint wedges about one axis, in a million rays", "[.long]") { check_wedges(100000); }
+
+TEST_CASE("T97 Cones of one apex have nothing in common and leave no gap") { check_cones(500); }
+TEST_CASE("T97 Cones of one apex, in a million rays", "[.long]") { check_cones(170000); }
