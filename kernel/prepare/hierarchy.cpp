@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "kernel/math/outward.h"
+#include "kernel/math/standard_arithmetic.h"
 
 namespace lapidary {
 
@@ -173,7 +174,11 @@ void build(std::span<Entry> entries, const Extent& extent, std::int32_t first, i
         if (parts[i].size() > 1) build(parts[i], halves[i], roots[i], depth + 1, nodes);
     };
     if (entries.size() >= worth_a_task) {
-        tbb::parallel_invoke([&] { build_part(0); }, [&] { build_part(1); });
+        const auto build_on_any_thread = [&](std::size_t i) {
+            const StandardArithmetic standard;
+            build_part(i);
+        };
+        tbb::parallel_invoke([&] { build_on_any_thread(0); }, [&] { build_on_any_thread(1); });
     } else {
         build_part(0);
         build_part(1);

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "kernel/math/standard_arithmetic.h"
 #include "kernel/prepare/draft.h"
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
@@ -449,6 +450,7 @@ std::string Features::describe() const {
 }
 
 std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages, const PrepareOptions& options) {
+    const StandardArithmetic standard;
     auto world = std::make_shared<World>();
     Preparer(scene, *world, messages).run(options);
     return world;

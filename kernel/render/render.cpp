@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/render/render.h"
 
+#include "kernel/math/standard_arithmetic.h"
 #include "kernel/render/passes.h"
 
 namespace lapidary {
@@ -28,6 +29,7 @@ private:
 }  // namespace
 
 RenderReport render(const World& world, const Scene& scene, Frame& frame, const RenderOptions& options) {
+    const StandardArithmetic standard;
     const CameraRays camera(scene.camera, frame.width(), frame.height());
     const PixelFilter filter(scene.render.filter, scene.render.filter_radius.value_or(default_radius(scene.render.filter)));
     const auto make_integrand = [&] {

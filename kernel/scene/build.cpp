@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "kernel/math/standard_arithmetic.h"
 #include "kernel/scene/build_context.h"
 #include "kernel/scene/light_blocks.h"
 #include "kernel/scene/material_blocks.h"
@@ -211,6 +212,7 @@ private:
 
 std::shared_ptr<const Scene> build_scene(const Document& document, Registry& registry, const std::string& title,
                                          Messages& messages) {
+    const StandardArithmetic standard;
     return SceneBuilder(document, registry, title, messages).build();
 }
 

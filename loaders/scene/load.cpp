@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "kernel/math/standard_arithmetic.h"
 #include "loaders/scene/files.h"
 #include "loaders/scene/loading.h"
 #include "loaders/scene/parser.h"
@@ -17,6 +18,7 @@ Document load_scene_file(const std::filesystem::path& file, const LoadOptions& o
 }
 
 Document load_scene_text(std::string name, std::string text, const LoadOptions& options, Messages& messages) {
+    const StandardArithmetic standard;
     Document document;
     const SourceFile& file = document.sources->add(std::move(name), scene_language::without_byte_order_mark(std::move(text)));
 

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+//
+// T95: a picture has the same bits whatever arithmetic the program around it has set for itself, for any number of threads, and
+// from any compiler at any level of optimisation.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cfenv>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "kernel/prepare/world.h"
+#include "kernel/render/render.h"
+#include "support/measurement.h"
+#include "support/scenes.h"
+#include "support/solids.h"
+#include "support/traced_scene.h"
+
+namespace lapidary::test {
+namespace {
+
+// FNV-1a, over the bits of numbers.
+class Fingerprint {
+public:
+    void add(double number) { add(std::bit_cast<std::uint64_t>(number), 64); }
+    void add(float number) { add(std::bit_cast<std::uint32_t>(number), 32); }
+    std::uint64_t value() const { return hash_; }
+
+private:
+    void add(std::uint64_t bits, int count) {
+        for (int shift = 0; shift < count; shift += 8) hash_ = (hash_ ^ ((bits >> shift) & 0xff)) * 0x100000001b3;
+    }
+    std::uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+// The arithmetic of the calling thread while it lives.
+class OtherArithmetic {
+public:
+    OtherArithmetic(int rounding, bool flushes) {
+        std::fegetenv(&before_);
+        std::fesetround(rounding);
+#ifdef __SSE2__
+        // Flush to zero, and denormals are zero.
+        if (flushes) __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
+#else
+        static_cast<void>(flushes);
+#endif
+    }
+    ~OtherArithmetic() { std::fesetenv(&before_); }
+    OtherArithmetic(const OtherArithmetic&) = delete;
+    OtherArithmetic& operator=(const OtherArithmetic&) = delete;
+
+private:
+    std::fenv_t before_{};
+};
+
+// Coincident faces, mirrors, glass and textures. Where it is tiny, parts of squared lengths are denormal; where it is tinier
+// still they overflow or vanish: what is to be seen then is little, but it is the same, and there is an end to it.
+std::string picture_scene(double size) {
+    return fmt::format(R"(
+camera {{ location({0}, {1}, {2}); look_at(0, 0, 0); angle(50deg); }}
+lights {{ ambient {{ }} direct {{ direction(1, -2, 1.5); }} }}
+objects {{ union {{
+    subtraction {{ cube {{ }} cylinder {{ height(2); radius(0.6); }} }}
+    cube {{ colour(1, 0.3, 0.1); transform {{ translate(2, 0, 0); }} }}
+    sphere {{ {3} transform {{ translate(0.3, 1.2, -1.6); scale(0.8); rotate(1, 2, 3, 0.7); }} }}
+    torus {{ radii(1.2, 0.3); material {{ noise {{ solid {{ colour(1, 0, 0); }} solid {{ reflection(0.5); }} value(0.5); transform {{ scale(0.2); }} }} }}
+             transform {{ translate(-1, -0.5, -1.5); }} }}
+    cone {{ transform {{ rotx(0.1); translate(-2.5, 0.1, 0.3); }} }}
+    transform {{ scale({4}); }} }} }}
+)",
+                       2.1 * size, 3.3 * size, -5.7 * size, glass(1.5), size);
+}
+
+std::uint64_t fingerprint_of_picture(const std::string& text, int threads) {
+    const auto built = build(text);
+    for (const std::string& headline : built->headlines()) UNSCOPED_INFO(headline);
+    REQUIRE(built->scene);
+    const auto world = prepare_world(*built->scene, built->messages);
+    const LayerSet layers{Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material, Layer::error};
+    Frame frame(90, 70, layers);
+    RenderOptions options;
+    options.threads = threads;
+    options.error = 0.05;
+    CHECK(render(*world, *built->scene, frame, options).complete);
+    Fingerprint fingerprint;
+    for (const Layer layer : {Layer::colour, Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
+        for (const float value : frame.layer(layer)) fingerprint.add(value);
+    return fingerprint.value();
+}
+
+}  // namespace
+
+TEST_CASE("T95: a picture has the same bits whatever arithmetic the program has set, for any number of threads") {
+    struct Setting {
+        int rounding;
+        bool flushes;
+    };
+    Measurement same({"T95", "pictures under other arithmetic", "", 0});
+    for (const double size : {1.0, 1e-150, 1e-156}) {
+        const std::string text = picture_scene(size);
+        const std::uint64_t expected = fingerprint_of_picture(text, 1);
+        for (const Setting& setting :
+             {Setting{FE_TONEAREST, false}, {FE_TONEAREST, true}, {FE_UPWARD, false}, {FE_DOWNWARD, true}})
+            for (const int threads : {1, 3}) {
+                const OtherArithmetic other(setting.rounding, setting.flushes);
+                same.expect(fingerprint_of_picture(text, threads) == expected);
+                CHECK(std::fegetround() == setting.rounding);
+            }
+    }
+}
+
+TEST_CASE("T95: rays have the same bits from every compiler") {
+    // Nothing here calls a function of the mathematical library other than those that are rounded correctly everywhere.
+    TracedScene scene(
+        "render { depth(6); } background(0.1, 0.2, 0.3); lights { ambient { } point { location(-3, 6, -4); intensity(40); } "
+        "direct { direction(1, -2, 1); } } objects { halfspace { material { solid { reflection(0.3); } } "
+        "transform { translate(0, -1, 0); } } subtraction { intersection { cube { } sphere { radius(1.4); } } "
+        "sphere { radius(0.4); colour(0, 0, 0); transform { translate(0, 1.1, 0); } } cylinder { radius(0.3); } "
+        "transform { rotate(1, 2, 3, 0.7); } } cube { colour(1, 0, 0); transform { scale(0.5); translate(2, -0.5, 0); } } "
+        "cube { colour(0, 1, 0); transform { scale(0.5); translate(3, -0.5, 0); } } "
+        "cone { transform { shear(0.1, 0, 0, 0, 0, 0.2); translate(-2.5, 0, 1); } } "
+        "sphere { " +
+        glass(1.5) + "transform { scale(1, 0.5, 0.7); translate(1, 0.2, -2); } } }");
+    std::mt19937_64 random(95);
+    const auto coordinate = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
+    Fingerprint fingerprint;
+    int met = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const Point eye{8 * coordinate(), 3 + 2 * coordinate(), -6};
+        const RaySample sample = scene.sample(eye, Point{2 * coordinate(), coordinate(), coordinate()} - eye);
+        met += sample.object > 1;
+        for (const double value : {sample.colour.r, sample.colour.g, sample.colour.b, sample.depth, sample.normal.x,
+                                   sample.normal.y, sample.normal.z, sample.position.x, sample.position.y, sample.position.z})
+            fingerprint.add(value);
+    }
+    CHECK(met > 1500);
+    Measurement same({"T95", "bits of rays from every compiler", "", 0});
+    CAPTURE(fingerprint.value());
+    same.expect(fingerprint.value() == 0xcda9306fa3ffbfa7);
+}
+
+}  // namespace lapidary::test
