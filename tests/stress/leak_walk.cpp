@@ -10,6 +10,7 @@
 #include "stress/exact.h"
 #include "support/measurement.h"
 #include "support/solids.h"
+#include "support/traced_scene.h"
 
 namespace lapidary::test {
 namespace {
@@ -138,6 +139,29 @@ void walk(int bounces) {
 }  // namespace
 
 TEST_CASE("T46: no ray leaves a closed room, wherever it stands") { walk(3000); }
+
+TEST_CASE("T46: a ray that finds itself in another cell is counted, and only rays from an edge do") {
+    // A box of mirrors on a mirror, both turned: on the edge between them rounding decides which one a ray is sent from.
+    const std::string mirrors = "material { solid { reflection(1); } } ";
+    const std::string text = "render { depth(3); } lights { ambient { } } objects { halfspace { " + mirrors +
+                             "transform { rotz(0.4); } } cube { " + mirrors + "transform { translate(1, 1, 0); rotz(0.4); } } }";
+    const double c = std::cos(0.4), s = std::sin(0.4);
+    const auto turned = [&](const Vector& v) { return Vector{c * v.x - s * v.y, s * v.x + c * v.y, v.z}; };
+    Random random(13);
+    TracedScene at_edge(text), beside(text);
+    constexpr int rays = 5000;
+    for (int i = 0; i < rays; ++i) {
+        const Vector direction = turned({random.uniform(0.2, 1), -random.uniform(0.3, 1), random.uniform(-0.5, 0.5)});
+        const Vector edge{0, 0, random.uniform(-0.5, 0.5)};
+        at_edge.sample(to_point(turned(edge) - 3 * direction), direction);
+        beside.sample(to_point(turned(edge - Vector{random.uniform(1e-6, 2), 0, 0}) - 3 * direction), direction);
+    }
+    CHECK(at_edge.statistics().first_cell_disagreements > 0);
+    Measurement cells({"T46", "first cells that disagree beside an edge", "of rays", 0});
+    CHECK(beside.statistics().mirrored_rays >= rays);
+    cells.record(static_cast<double>(beside.statistics().first_cell_disagreements) /
+                 static_cast<double>(beside.statistics().mirrored_rays));
+}
 
 TEST_CASE("T46: no ray leaves a closed room in ten million", "[.long]") { walk(10000000 / 6); }
 
