@@ -128,19 +128,49 @@ void run_on_stack(std::size_t bytes, std::function<void()> function) {
     pthread_attr_destroy(&attributes);
 }
 
-}  // namespace
-
-TEST_CASE("T36 A chain of twenty thousand cubes is one span") {
+void check_chain(int cubes) {
     const Operation operation = GENERATE(Operation::union_, Operation::merge);
-    constexpr int cubes = 20000;
     SolidMaker maker;
     SpansThrough spans(chain(maker, cubes, operation, false));
     CHECK(spans.messages.errors() == 0);
-    const auto along = spans(ray_from({-1, 0.1, 0.2}, {1, 0, 0}));
-    REQUIRE(along.size() == 1);
-    CHECK(along[0].in == Approx(1).epsilon(1e-15));
-    CHECK(along[0].out == Approx(cubes + 1).epsilon(1e-15));
+    test::Measurement whole({"T36", std::to_string(cubes) + " cubes in a row", "", 0});
+    for (const double aside : {0.1, -0.3, 0.45}) {
+        const auto along = whole.timed([&] { return spans(ray_from({-1, aside, 0.2}, {1, 0, 0})); });
+        REQUIRE(along.size() == 1);
+        whole.expect(along[0].in == 1 && along[0].out == cubes + 1);
+    }
 }
+
+void check_random_tree(int leaves, int range) {
+    const TreeShape shape = GENERATE(TreeShape::comb, TreeShape::left_comb);
+    const unsigned seed = GENERATE(1u, 2u, 3u);
+    CAPTURE(static_cast<int>(shape), seed);
+    KnownTrees trees(seed);
+    grow(trees, shape, leaves, range);
+    SpansThrough spans(trees.root());
+    CHECK(spans.messages.errors() == 0);
+    CHECK(deep_trees_of(spans) > 0);
+    test::Measurement measured({"T38", "random trees of " + std::to_string(2 * leaves) + " nodes", "", 0});
+    const auto along = measured.timed([&] { return spans(ray_from({-1, 0.1, 0.2}, {1, 0, 0})); });
+    CHECK(along.size() > 10);
+    int held = 0;
+    for (int x = 0; x < range + 30; ++x) {
+        const double t = x + 1.5;  // between whole numbers
+        const auto holds_t = [t](const Span& span) { return span.in <= t && t < span.out; };
+        const bool inside = std::any_of(along.begin(), along.end(), holds_t);
+        held += inside;
+        measured.expect(inside == trees.holds(x + 0.5));
+    }
+    CHECK(held > range / 50);
+}
+
+}  // namespace
+
+TEST_CASE("T36 A chain of twenty thousand cubes is one span") { check_chain(20000); }
+TEST_CASE("T36 A chain of a hundred thousand cubes is one span", "[.long]") { check_chain(100000); }
+
+TEST_CASE("T38 Deep random trees agree with what they mean") { check_random_tree(3000, 4000); }
+TEST_CASE("T38 Random trees of a hundred thousand nodes agree with what they mean", "[.long]") { check_random_tree(50000, 4000); }
 
 TEST_CASE("T37 Alternating operations agree with what they mean, however deep") {
     // Cube i is added where i is odd and taken away where it is even; no two overlap: what was added stays.
@@ -154,30 +184,6 @@ TEST_CASE("T37 Alternating operations agree with what they mean, however deep") 
     CHECK(along[0].out == Approx(3).epsilon(1e-15));
     CHECK(along[1].in == Approx(4).epsilon(1e-15));
     CHECK(along.back().out == Approx(cubes + 1).epsilon(1e-15));
-}
-
-TEST_CASE("T38 Deep random trees agree with what they mean") {
-    const TreeShape shape = GENERATE(TreeShape::comb, TreeShape::left_comb);
-    const unsigned seed = GENERATE(1u, 2u, 3u);
-    constexpr int leaves = 3000, range = 4000;
-    CAPTURE(static_cast<int>(shape), seed);
-    KnownTrees trees(seed);
-    grow(trees, shape, leaves, range);
-    SpansThrough spans(trees.root());
-    CHECK(spans.messages.errors() == 0);
-    CHECK(deep_trees_of(spans) > 0);
-    test::Measurement measured({"T38", "deep random trees", "", 0});
-    const auto along = measured.timed([&] { return spans(ray_from({-1, 0.1, 0.2}, {1, 0, 0})); });
-    CHECK(along.size() > 10);
-    int held = 0;
-    for (int x = 0; x < range + 30; ++x) {
-        const double t = x + 1.5;  // between whole numbers
-        const auto holds_t = [t](const Span& span) { return span.in <= t && t < span.out; };
-        const bool inside = std::any_of(along.begin(), along.end(), holds_t);
-        held += inside;
-        measured.expect(inside == trees.holds(x + 0.5));
-    }
-    CHECK(held > range / 50);
 }
 
 TEST_CASE("Deep trees name the same faces and owners as shallow ones do") {
@@ -201,14 +207,14 @@ TEST_CASE("Deep trees name the same faces and owners as shallow ones do") {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> uniform(-1.2, 1.2);
     std::size_t compared = 0;
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 1000; ++i) {
         const Ray ray = ray_from({-4, uniform(random), uniform(random)}, {1, 0.2 * uniform(random), 0.2 * uniform(random)});
         const std::vector<double> places = deep.changes(ray);
         REQUIRE(places == shallow.changes(ray));
         for (double t : places) REQUIRE(deep.leaves_at(ray, t) == shallow.leaves_at(ray, t));
         compared += places.size();
     }
-    CHECK(compared > 100);
+    CHECK(compared > 1000);
 }
 
 TEST_CASE("Deep trees need little stack, and no stack for each node of their depth") {
