@@ -10,6 +10,7 @@
 
 #include "kernel/render/camera_rays.h"
 #include "support/catch.h"
+#include "support/measurement.h"
 
 using namespace lapidary;
 
@@ -52,12 +53,13 @@ TEST_CASE("T85: all lens rays of a place meet in one point of the sharp plane") 
     std::uniform_real_distribution<double> uniform(0, 1);
     for (const auto& [radius, focus] : {Case{0.1, 10}, Case{1e-9, 1e9}, Case{1e-10, 1e-9}, Case{100, 1}}) {
         const CameraRays camera(lens(radius, focus), 640, 480);
+        test::Measurement apart({"T85", "lens rays of a place, in the sharp plane", "u of the way", 4});
         for (int i = 0; i < 1000; ++i) {
             const double x = 640 * uniform(random), y = 480 * uniform(random);
             const PrecisePoint centre = at_depth(camera.ray(x, y), focus);
             const PrecisePoint off = at_depth(camera.ray(x, y, disc_from_square({uniform(random), uniform(random)})), focus);
             // Four roundings of a direction, over the way from the lens; a wide lens is itself part of the way.
-            REQUIRE(distance(centre, off) <= 4 * 0x1p-53 * std::max(focus, radius));
+            apart.record(distance(centre, off) / (0x1p-53 * std::max(focus, radius)));
         }
     }
 }
@@ -67,16 +69,20 @@ TEST_CASE("T87: the blur in the sharp plane is the lens seen from the object thr
     struct Case {
         double depth, blur;
     };
+    test::Measurement measured({"T87", "radius of the blur", "length", 1e-12});
     for (const auto& [depth, blur] : {Case{5, 0.1}, Case{20, 0.05}, Case{1e12, 0.099999999999}}) {
         // The ray through the lens's edge that meets the axis at `depth` crosses the sharp plane at the blur's radius.
         const Ray edge = camera.ray(320, 240, {1, 0});
         const Precise x = at_depth(edge, depth).x;          // where a ray aimed at the axis in focus arrives
         const Precise magnified = x * 10 / Precise(depth);  // seen back through the lens's centre
-        CHECK(std::fabs(static_cast<double>(Precise(abs(magnified))) - blur) <= 1e-12);
+        measured.record(static_cast<double>(Precise(abs(magnified))) - blur);
     }
 }
 
 TEST_CASE("T88: extreme fields of view keep unit directions and distinct neighbours") {
+    test::Measurement unit({"T88", "length of a direction less 1", "u", 9}),
+        exact({"T88", "direction in an extreme field of view", "component", 1e-14}),
+        distinct({"T88", "distinct neighbours", "", 0});
     for (const double degrees : {1e-9, 179.9999}) {
         Camera description;
         description.screen_centre = {0.3, -0.2, 0.93};
@@ -88,7 +94,7 @@ TEST_CASE("T88: extreme fields of view keep unit directions and distinct neighbo
             std::set<std::tuple<double, double, double>> directions;
             for (int i = 0; i < 640; ++i) {
                 const Vector d = camera.ray(i + 0.5, j + 0.5).direction;
-                REQUIRE(std::fabs(length(d) - 1) < 1e-15);
+                unit.record((length(d) - 1) / 0x1p-53);
                 directions.insert({d.x, d.y, d.z});
 
                 // The same direction from the same axes, in 200 bits.
@@ -99,11 +105,11 @@ TEST_CASE("T88: extreme fields of view keep unit directions and distinct neighbo
                 const Precise y = component(camera.forward().y, camera.right().y, camera.up().y);
                 const Precise z = component(camera.forward().z, camera.right().z, camera.up().z);
                 const Precise size = sqrt(x * x + y * y + z * z);
-                REQUIRE(std::fabs(static_cast<double>(Precise(x / size - d.x))) < 1e-14);
-                REQUIRE(std::fabs(static_cast<double>(Precise(y / size - d.y))) < 1e-14);
-                REQUIRE(std::fabs(static_cast<double>(Precise(z / size - d.z))) < 1e-14);
+                exact.record(static_cast<double>(Precise(x / size - d.x)));
+                exact.record(static_cast<double>(Precise(y / size - d.y)));
+                exact.record(static_cast<double>(Precise(z / size - d.z)));
             }
-            REQUIRE(directions.size() == 640);
+            distinct.expect(directions.size() == 640);
         }
     }
 }

@@ -14,6 +14,7 @@
 #include "kernel/render/tracer.h"
 #include "kernel/scene/scene.h"
 #include "support/catch.h"
+#include "support/measurement.h"
 #include "support/scenes.h"
 
 namespace lapidary::test {
@@ -124,6 +125,7 @@ std::vector<Ray> camera_rays(const CsgOracle& oracle, std::mt19937_64& random) {
 TEST_CASE("every pixel of random solids is what brute force says") {
     std::mt19937_64 random(20050401);
     Tally tally;
+    test::Measurement pixels({"T24", "pixels of random solids", "", 0});
     for (int scene = 0; scene < scenes;) {
         const int leaves = 2 + scene % 39;
         const CsgOracle oracle(leaves, random);
@@ -138,10 +140,11 @@ TEST_CASE("every pixel of random solids is what brute force says") {
         const auto world = prepare_world(*built->scene, built->messages);
         Tracer tracer(*world, built->scene->render, 0);
         std::vector<RaySample> samples(rays.size());
-        tracer.trace(rays, samples);
+        pixels.timed([&] { return tracer.trace(rays, samples), 0; }, rays.size());
 
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const std::string what = compare(oracle, rays[i], samples[i], tally);
+            pixels.expect(what.empty());
             if (what.empty()) continue;
             ++tally.wrong;
             if (tally.first_wrong.empty()) tally.first_wrong = fmt::format("scene {}, pixel {}: {}", scene, i, what);
