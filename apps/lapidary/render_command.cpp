@@ -150,6 +150,10 @@ private:
         return ExitCode::success;
     }
 
+    int threads(const Session& session) const {
+        return arguments_.threads.value_or(session.configurations().threads().value_or(0));
+    }
+
     ExitCode make_pictures(const Scene& scene, Session& session) {
         for (const PictureFile& picture : pictures_)
             if (!picture.path.empty()) require_writable(picture.path);
@@ -159,7 +163,7 @@ private:
         if (arguments_.region) record_.region = info.region;
 
         record_.stages.begin("prepare");
-        record_.world = prepare_world(scene, messages_);
+        record_.world = prepare_world(scene, messages_, {.threads = threads(session)});
         if (messages_.has_errors()) return ExitCode::scene;
         record_.stages.begin("open");
         if (is_shown()) info.legend = legend_of(*record_.world);
@@ -185,7 +189,7 @@ private:
                               Preparation& preparation, Frame& frame) {
         Interruption::listen();
         RenderOptions options;
-        options.threads = arguments_.threads.value_or(session.configurations().threads().value_or(0));
+        options.threads = threads(session);
         options.region = region;
         options.samples = arguments_.samples;
         options.error = arguments_.error;

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
+#include <optional>
 
 #include "kernel/prepare/world.h"
 
@@ -24,14 +24,15 @@ struct Label {
     bool operator==(const Label& other) const { return owner == other.owner; }
 };
 
-inline std::span<const std::int32_t> operands_of(const World& world, const Node& node) {
-    return {world.children.data() + node.first, static_cast<std::size_t>(node.count)};
+// What the inside of a leaf is made of.
+inline Label label_of_leaf(const World& world, std::int32_t leaf) {
+    return {leaf, world.leaves[leaf].medium, world.leaves[leaf].priority};
 }
 
-// Whether an operation holds what its operands hold as `holds(operand)` says. Not for leaves.
+// Whether an operation holds what its operands hold as `holds(operand)` says.
 template <class Holds>
 bool is_held(const World& world, const Node& node, Holds holds) {
-    const auto all = operands_of(world, node);
+    const auto all = world.operands_of(node);
     switch (node.operation) {
         case Operation::leaf:
             break;
@@ -48,24 +49,23 @@ bool is_held(const World& world, const Node& node, Holds holds) {
     return false;
 }
 
-// What a cell inside of a node is made of: of the operands that hold it, the one of highest priority, among equals the leftmost;
-// for an intersection and a subtraction the left operand; for a merge its one material.
+// What a cell inside of an operation is made of: of the operands that hold it, the one of highest priority, among equals the
+// leftmost; for an intersection and a subtraction the left operand; for a merge its one material.
 template <class LabelOf>
 Label label_inside(const World& world, const Node& node, LabelOf label_of) {
     Label owner;
     switch (node.operation) {
         case Operation::leaf:
-            owner = {node.first, world.leaves[node.first].medium, world.leaves[node.first].priority};
             break;
         case Operation::merge:
             owner = {node.owner, node.medium, 0};
             break;
         case Operation::intersection:
         case Operation::subtraction:
-            owner = label_of(operands_of(world, node)[0]);
+            owner = label_of(world.operands_of(node)[0]);
             break;
         case Operation::union_:
-            for (std::int32_t operand : operands_of(world, node)) {
+            for (std::int32_t operand : world.operands_of(node)) {
                 const Label candidate = label_of(operand);
                 if (candidate.is_empty()) continue;
                 if (owner.is_empty() || candidate.priority > owner.priority) owner = candidate;
@@ -73,7 +73,7 @@ Label label_inside(const World& world, const Node& node, LabelOf label_of) {
             break;
         case Operation::symdiff:
             // ((a xor b) xor c) …: each operand that holds the cell takes it over from nothing, or makes nothing of it.
-            for (std::int32_t operand : operands_of(world, node)) {
+            for (std::int32_t operand : world.operands_of(node)) {
                 const Label candidate = label_of(operand);
                 if (!candidate.is_empty()) owner = owner.is_empty() ? candidate : Label{};
             }
@@ -91,11 +91,11 @@ struct Change {
 
 // The operand whose change is that of the whole: the first one, in order, that changes the way it must. Going in, an operand of
 // a union or an intersection goes in, too; a subtrahend does the opposite of the whole. Where the inside of none changes, the
-// first one whose label does. -1: none.
+// first one whose label does.
 template <class ChangeOf, class LabelChanges>
-std::int32_t changing_operand(const World& world, const Node& node, const Change& whole, ChangeOf change_of,
-                              LabelChanges label_changes) {
-    const auto all = operands_of(world, node);
+std::optional<std::int32_t> changing_operand(const World& world, const Node& node, const Change& whole, ChangeOf change_of,
+                                             LabelChanges label_changes) {
+    const auto all = world.operands_of(node);
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Change change = change_of(all[i]);
         if (change.before == change.after) continue;
@@ -105,7 +105,7 @@ std::int32_t changing_operand(const World& world, const Node& node, const Change
     }
     for (std::int32_t operand : all)
         if (label_changes(operand)) return operand;
-    return -1;
+    return std::nullopt;
 }
 
 }  // namespace lapidary

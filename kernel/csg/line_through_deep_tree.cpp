@@ -82,11 +82,6 @@ void LineThroughDeepTree::toggle(std::int32_t leaf) {
     }
 }
 
-Label LineThroughDeepTree::leaf_label(std::int32_t leaf) const {
-    const Leaf& found = world_.leaves[solid_.first_leaf + leaf];
-    return {solid_.first_leaf + leaf, found.medium, found.priority};
-}
-
 Label LineThroughDeepTree::merge_label(std::int32_t node) const {
     return {world_.nodes[node].owner, world_.nodes[node].medium, 0};
 }
@@ -98,7 +93,7 @@ Label LineThroughDeepTree::owner() const {
         const Function& whole = whole_of(tree_.paths[path]);
         const std::int32_t value = inside_[path] ? whole.of_something : whole.of_nothing;
         if (value == nothing) return {};
-        if (value == itself) return leaf_label(path);
+        if (value == itself) return label_of_leaf(world_, solid_.first_leaf + path);
         if (value >= path_count) return merge_label(tree_.merges[value - path_count]);
         path = value;
     }
@@ -133,7 +128,7 @@ bool LineThroughDeepTree::advance() {
     Label label = owner();
     if (!tree_.leftmost_owns && !label.is_empty()) {
         std::vector<Label> labels;
-        evaluate_all_nodes(t, Side::after, labels);
+        evaluate_all(t, Side::after, labels);
         label = labels.back();
     }
     const std::int32_t leaf = passed_ - first == 1 ? solid_.first_leaf + events_[first].leaf : several_leaves;
@@ -192,38 +187,41 @@ std::int32_t LineThroughDeepTree::leaf_at(double t) {
     if (cell.leaf != several_leaves) return cell.leaf;
 
     std::vector<Label> before, after;
-    evaluate_all_nodes(t, Side::before, before);
-    evaluate_all_nodes(t, Side::after, after);
-    const auto change_of = [&](std::int32_t node) {
-        const std::int32_t i = node - tree_.first_node;
+    evaluate_all(t, Side::before, before);
+    evaluate_all(t, Side::after, after);
+    const auto change_of = [&](std::int32_t tree) {
+        const std::size_t i = place_of(tree);
         return Change{!before[i].is_empty(), !after[i].is_empty()};
     };
-    const auto label_changes = [&](std::int32_t node) {
-        const std::int32_t i = node - tree_.first_node;
+    const auto label_changes = [&](std::int32_t tree) {
+        const std::size_t i = place_of(tree);
         return !(before[i] == after[i]);
     };
-    for (std::int32_t index = solid_.root; index >= 0;) {
-        const Node& node = world_.nodes[index];
-        const Change change = change_of(index);
-        if (node.operation == Operation::leaf) return change.before != change.after ? node.first : -1;
-        index = changing_operand(world_, node, change, change_of, label_changes);
+    for (std::optional<std::int32_t> tree = solid_.root; tree;) {
+        const Change change = change_of(*tree);
+        if (*tree < 0) return change.before != change.after ? ~*tree : -1;
+        tree = changing_operand(world_, world_.nodes[*tree], change, change_of, label_changes);
     }
     return -1;
 }
 
-// The label of every node of the solid, operands before operations.
-void LineThroughDeepTree::evaluate_all_nodes(double t, Side side, std::vector<Label>& labels) const {
-    std::vector<bool> inside(tree_.paths.size());
+std::size_t LineThroughDeepTree::place_of(std::int32_t tree) const {
+    return static_cast<std::size_t>(tree < 0 ? ~tree - solid_.first_leaf : solid_.leaf_count + tree - tree_.first_node);
+}
+
+// The label of every leaf and every node of the solid, operands before operations.
+void LineThroughDeepTree::evaluate_all(double t, Side side, std::vector<Label>& labels) const {
+    labels.assign(tree_.paths.size(), {});
     for (const Event& event : events_)
-        if (side == Side::after ? event.t <= t : event.t < t) inside[event.leaf] = !inside[event.leaf];
-    labels.clear();
-    const auto label_of = [&](std::int32_t node) { return labels[node - tree_.first_node]; };
-    const auto holds = [&](std::int32_t node) { return !label_of(node).is_empty(); };
+        if (side == Side::after ? event.t <= t : event.t < t) {
+            Label& label = labels[static_cast<std::size_t>(event.leaf)];
+            label = label.is_empty() ? label_of_leaf(world_, solid_.first_leaf + event.leaf) : Label{};
+        }
+    const auto label_of = [&](std::int32_t tree) { return labels[place_of(tree)]; };
+    const auto holds = [&](std::int32_t tree) { return !label_of(tree).is_empty(); };
     for (std::int32_t index = tree_.first_node; index <= solid_.root; ++index) {
         const Node& node = world_.nodes[index];
-        const bool held =
-            node.operation == Operation::leaf ? inside[node.first - solid_.first_leaf] : is_held(world_, node, holds);
-        labels.push_back(held ? label_inside(world_, node, label_of) : Label{});
+        labels.push_back(is_held(world_, node, holds) ? label_inside(world_, node, label_of) : Label{});
     }
 }
 

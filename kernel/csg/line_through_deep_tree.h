@@ -68,12 +68,13 @@ private:
     void replace(const DeepTree::Path& path, std::int32_t step, const Function& function);
     void toggle(std::int32_t leaf);
     Label owner() const;
-    Label leaf_label(std::int32_t leaf) const;
     Label merge_label(std::int32_t node) const;
 
     bool advance();
     std::size_t cell_at(double t, Side side);
-    void evaluate_all_nodes(double t, Side side, std::vector<Label>& labels) const;
+    // Where the label of a tree of the solid stands among those of all: leaves first, then nodes.
+    std::size_t place_of(std::int32_t tree) const;
+    void evaluate_all(double t, Side side, std::vector<Label>& labels) const;
 
     const World& world_;
     const Solid& solid_;

@@ -255,18 +255,37 @@ LineThroughDeepTree& LineThroughSolid::deep_tree() {
     return *line.tree;
 }
 
-double LineThroughSolid::enter(std::int32_t index, double t) {
-    const Node& node = world_.nodes[index];
+double LineThroughSolid::enter_leaf(std::int32_t index, double t) {
+    for (const Span& span : spans(index))
+        if (t < span.out) return std::max(t, span.in);
+    return infinity;
+}
+
+double LineThroughSolid::leave_leaf(std::int32_t index, double t) {
+    for (const Span& span : spans(index))
+        if (span.in <= t && t < span.out) t = span.out;
+    return t;
+}
+
+bool LineThroughSolid::inside_leaf(std::int32_t index, double t, Side side) {
+    const auto holds = [&](const Span& span) {
+        return side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out;
+    };
+    const std::span<const Span> all = spans(index);
+    return std::any_of(all.begin(), all.end(), holds);
+}
+
+double LineThroughSolid::enter(std::int32_t tree, double t) {
+    if (tree < 0) return enter_leaf(~tree, t);
+    const Node& node = world_.nodes[tree];
     switch (node.operation) {
         case Operation::leaf:
-            for (const Span& span : spans(node.first))
-                if (t < span.out) return std::max(t, span.in);
-            return infinity;
+            break;
         case Operation::union_:
         case Operation::merge: {
             double first = infinity;
             for (std::int32_t operand : operands(node)) {
-                if (box_is_missed(world_.nodes[operand].box, t)) continue;
+                if (box_is_missed(world_.box_of(operand), t)) continue;
                 first = std::min(first, enter(operand, t));
                 if (first == t) break;
             }
@@ -295,20 +314,19 @@ double LineThroughSolid::enter(std::int32_t index, double t) {
             }
         }
         case Operation::symdiff:
-            while (t < infinity && !inside(index, t, Side::after)) t = first_change(operands(node), t);
+            while (t < infinity && !inside(tree, t, Side::after)) t = first_change(operands(node), t);
             return t;
     }
     return infinity;
 }
 
-double LineThroughSolid::leave(std::int32_t index, double t) {
-    const Node& node = world_.nodes[index];
-    if (t == infinity || !box_holds(node.box, t)) return t;
+double LineThroughSolid::leave(std::int32_t tree, double t) {
+    if (t == infinity || !box_holds(world_.box_of(tree), t)) return t;
+    if (tree < 0) return leave_leaf(~tree, t);
+    const Node& node = world_.nodes[tree];
     switch (node.operation) {
         case Operation::leaf:
-            for (const Span& span : spans(node.first))
-                if (span.in <= t && t < span.out) t = span.out;
-            return t;
+            break;
         case Operation::union_:
         case Operation::merge:
             for (bool unchanged = false; !unchanged;) {
@@ -333,12 +351,12 @@ double LineThroughSolid::leave(std::int32_t index, double t) {
             double first = leave(all[0], t);
             for (std::int32_t subtrahend : all.subspan(1)) {
                 if (first == t) break;
-                if (!box_is_missed(world_.nodes[subtrahend].box, t)) first = std::min(first, enter(subtrahend, t));
+                if (!box_is_missed(world_.box_of(subtrahend), t)) first = std::min(first, enter(subtrahend, t));
             }
             return first;
         }
         case Operation::symdiff:
-            while (t < infinity && inside(index, t, Side::after)) t = first_change(operands(node), t);
+            while (t < infinity && inside(tree, t, Side::after)) t = first_change(operands(node), t);
             return t;
     }
     return t;
@@ -351,19 +369,16 @@ double LineThroughSolid::first_change(std::span<const std::int32_t> operands, do
     return next;
 }
 
-bool LineThroughSolid::inside(std::int32_t index, double t, Side side) {
-    const Node& node = world_.nodes[index];
-    if (!box_holds(node.box, t)) return false;
-    if (node.operation != Operation::leaf)
-        return is_held(world_, node, [&](std::int32_t operand) { return inside(operand, t, side); });
-    for (const Span& span : spans(node.first))
-        if (side == Side::after ? span.in <= t && t < span.out : span.in < t && t <= span.out) return true;
-    return false;
+bool LineThroughSolid::inside(std::int32_t tree, double t, Side side) {
+    if (!box_holds(world_.box_of(tree), t)) return false;
+    if (tree < 0) return inside_leaf(~tree, t, side);
+    return is_held(world_, world_.nodes[tree], [&](std::int32_t operand) { return inside(operand, t, side); });
 }
 
-Label LineThroughSolid::label(std::int32_t index, double t, Side side) {
-    if (!inside(index, t, side)) return {};
-    return label_inside(world_, world_.nodes[index], [&](std::int32_t operand) { return label(operand, t, side); });
+Label LineThroughSolid::label(std::int32_t tree, double t, Side side) {
+    if (!inside(tree, t, side)) return {};
+    if (tree < 0) return label_of_leaf(world_, ~tree);
+    return label_inside(world_, world_.nodes[tree], [&](std::int32_t operand) { return label(operand, t, side); });
 }
 
 double LineThroughSolid::next_change(double t) {
@@ -382,18 +397,17 @@ double LineThroughSolid::next_change(double t) {
     }
 }
 
-std::int32_t LineThroughSolid::leaf_at(std::int32_t index, double t) {
-    const Node& node = world_.nodes[index];
+std::int32_t LineThroughSolid::leaf_at(std::int32_t tree, double t) {
     const auto change_of = [&](std::int32_t operand) {
         return Change{inside(operand, t, Side::before), inside(operand, t, Side::after)};
     };
     const auto label_changes = [&](std::int32_t operand) {
         return !(label(operand, t, Side::before) == label(operand, t, Side::after));
     };
-    const Change change = change_of(index);
-    if (node.operation == Operation::leaf) return change.before != change.after ? node.first : -1;
-    const std::int32_t operand = changing_operand(world_, node, change, change_of, label_changes);
-    return operand >= 0 ? leaf_at(operand, t) : -1;
+    const Change change = change_of(tree);
+    if (tree < 0) return change.before != change.after ? ~tree : -1;
+    const auto operand = changing_operand(world_, world_.nodes[tree], change, change_of, label_changes);
+    return operand ? leaf_at(*operand, t) : -1;
 }
 
 FaceHit LineThroughSolid::face_at(std::int32_t index, double t) {

@@ -100,15 +100,19 @@ private:
     double leave_root(double t);
     LineThroughDeepTree& deep_tree();
 
-    double enter(std::int32_t node, double t);
-    double leave(std::int32_t node, double t);
-    bool inside(std::int32_t node, double t, Side side);
-    Label label(std::int32_t node, double t, Side side);
-    std::int32_t leaf_at(std::int32_t node, double t);
+    // Of a tree: a node or, where negative, ~ a leaf.
+    double enter(std::int32_t tree, double t);
+    double leave(std::int32_t tree, double t);
+    double enter_leaf(std::int32_t index, double t);
+    double leave_leaf(std::int32_t index, double t);
+    bool inside_leaf(std::int32_t index, double t, Side side);
+    bool inside(std::int32_t tree, double t, Side side);
+    Label label(std::int32_t tree, double t, Side side);
+    std::int32_t leaf_at(std::int32_t tree, double t);
     double first_change(std::span<const std::int32_t> operands, double t);
     bool box_holds(const Bounds& box, double t) const;
     bool box_is_missed(const Bounds& box, double t) const;
-    std::span<const std::int32_t> operands(const Node& node) const { return operands_of(world_, node); }
+    std::span<const std::int32_t> operands(const Node& node) const { return world_.operands_of(node); }
 
     const World& world_;
     TraceStatistics& statistics_;

@@ -227,7 +227,8 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
         any_moved = false;
         const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, negative[n], t, unsettled, leaf); };
         if (solid.first_negative_block >= 0) {
-            for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around, anchor_of_blocks(solid.box), visit);
+            for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around,
+                                 anchor_of_blocks(world_.box_of(solid.root)), visit);
         } else {
             for (std::int32_t n = 0; n < solid.negative_count; ++n)
                 if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);

@@ -87,9 +87,9 @@ private:
     // The functions of LineThroughSolid, for all lanes, over the spans of all leaves of a solid that fits lanes.
     void ask_leaves(const Solid& solid);
     void next_change_of_leaf(std::int32_t leaf, const Lanes& from, const Lanes& limit, Changes& changes) const;
-    void enter(std::int32_t node, Lanes& t) const;
-    void leave(std::int32_t node, Lanes& t) const;
-    void hold(std::int32_t node, const Lanes& t, Lanes& held) const;
+    void enter(std::int32_t tree, Lanes& t) const;
+    void leave(std::int32_t tree, Lanes& t) const;
+    void hold(std::int32_t tree, const Lanes& t, Lanes& held) const;
     unsigned find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const;
     void find_changing_leaves(const Solid& solid, Changes& changes) const;
 

@@ -169,15 +169,15 @@ void PacketThroughSolid::find_changing_leaves(const Solid& solid, Changes& chang
     for (int i = 0; i < width; ++i) changes.leaf[i] = ends[i] == 1 ? changes.leaf[i] : -1;
 }
 
-void PacketThroughSolid::enter(std::int32_t index, Lanes& t) const {
-    const Node& node = world_.nodes[index];
-    const auto all = operands_of(world_, node);
+void PacketThroughSolid::enter(std::int32_t tree, Lanes& t) const {
+    if (tree < 0) {
+        const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(~tree - first_leaf_)];
+        enter_span(of_leaf.in, of_leaf.out, t);
+        return;
+    }
+    const Node& node = world_.nodes[tree];
+    const auto all = world_.operands_of(node);
     switch (node.operation) {
-        case Operation::leaf: {
-            const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
-            enter_span(of_leaf.in, of_leaf.out, t);
-            return;
-        }
         case Operation::union_:
         case Operation::merge: {
             Lanes first;
@@ -202,20 +202,21 @@ void PacketThroughSolid::enter(std::int32_t index, Lanes& t) const {
                 for (std::int32_t subtrahend : all.subspan(1)) leave(subtrahend, t);
                 if (!differ(entered, t)) return;
             }
+        case Operation::leaf:
         case Operation::symdiff:
             break;  // never fits lanes
     }
 }
 
-void PacketThroughSolid::leave(std::int32_t index, Lanes& t) const {
-    const Node& node = world_.nodes[index];
-    const auto all = operands_of(world_, node);
+void PacketThroughSolid::leave(std::int32_t tree, Lanes& t) const {
+    if (tree < 0) {
+        const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(~tree - first_leaf_)];
+        leave_span(of_leaf.in, of_leaf.out, t);
+        return;
+    }
+    const Node& node = world_.nodes[tree];
+    const auto all = world_.operands_of(node);
     switch (node.operation) {
-        case Operation::leaf: {
-            const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
-            leave_span(of_leaf.in, of_leaf.out, t);
-            return;
-        }
         case Operation::union_:
         case Operation::merge:
             for (Lanes before = t;; before = t) {
@@ -237,20 +238,21 @@ void PacketThroughSolid::leave(std::int32_t index, Lanes& t) const {
             t = first;
             return;
         }
+        case Operation::leaf:
         case Operation::symdiff:
             break;
     }
 }
 
-// Which lanes are inside of a node just behind t: 1, else 0.
-void PacketThroughSolid::hold(std::int32_t index, const Lanes& t, Lanes& held) const {
-    const Node& node = world_.nodes[index];
-    const auto all = operands_of(world_, node);
-    if (node.operation == Operation::leaf) {
-        const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(node.first - first_leaf_)];
+// Which lanes are inside of a tree just behind t: 1, else 0.
+void PacketThroughSolid::hold(std::int32_t tree, const Lanes& t, Lanes& held) const {
+    if (tree < 0) {
+        const LeafSpans& of_leaf = leaf_spans_[static_cast<std::size_t>(~tree - first_leaf_)];
         hold_span(of_leaf.in, of_leaf.out, t, held);
         return;
     }
+    const Node& node = world_.nodes[tree];
+    const auto all = world_.operands_of(node);
     // All lanes are counted with: of an intersection all operands, of a subtraction the first alone, else any.
     Lanes of_operand;
     hold(all[0], t, held);

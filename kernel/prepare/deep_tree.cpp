@@ -36,7 +36,7 @@ public:
 
     // Nodes stand in the order of their numbers, operands first: one pass over them needs no stack.
     void grow() {
-        for (std::int32_t index = tree_.first_node; index <= solid_.root; ++index) tops_.push_back(top_of(world_.nodes[index]));
+        for (std::int32_t index = tree_.first_node; index <= solid_.root; ++index) tops_.push_back(grow(world_.nodes[index]));
         tree_.root = tops_.back().path;
         for (std::size_t i = 0; i < steps_.size(); ++i) lay_out(tree_.paths[i], steps_[i]);
     }
@@ -47,16 +47,17 @@ private:
         std::int32_t path, leaves;
     };
 
-    Top top_of(const Node& node) {
+    Top top_of(std::int32_t tree) {
+        if (tree >= 0) return tops_[tree - tree_.first_node];
+        if (world_.leaves[~tree].priority != 0) tree_.leftmost_owns = false;
+        return {~tree - solid_.first_leaf, 1};
+    }
+
+    Top grow(const Node& node) {
         if (node.has_priority) tree_.leftmost_owns = false;
-        if (node.operation == Operation::leaf) {
-            if (world_.leaves[node.first].priority != 0) tree_.leftmost_owns = false;
-            return {node.first - solid_.first_leaf, 1};
-        }
-        const std::span<const std::int32_t> operands(world_.children.data() + node.first, static_cast<std::size_t>(node.count));
-        Top top = tops_[operands[0] - tree_.first_node];
-        for (std::int32_t operand : operands.subspan(1))
-            top = join(kind_of(node.operation), top, tops_[operand - tree_.first_node]);
+        const std::span<const std::int32_t> operands = world_.operands_of(node);
+        Top top = top_of(operands[0]);
+        for (std::int32_t operand : operands.subspan(1)) top = join(kind_of(node.operation), top, top_of(operand));
         if (node.operation == Operation::merge) {
             steps_[top.path].push_back(
                 {DeepTree::Step::Kind::owned_by_merge, true, static_cast<std::int32_t>(tree_.merges.size())});

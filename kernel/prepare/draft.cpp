@@ -2,107 +2,117 @@
 #include "kernel/prepare/draft.h"
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 namespace lapidary {
-
-namespace {
 
 // Whether (a op b) op c is a op b op c: true where the nested one stands first, and it is an anonymous part whose medium and
 // priority are decided with the rest. Further right, a subtraction is another set, and a symmetric difference, though the same
 // set, may be owned by another operand.
-bool may_join(const Draft& operand, Operation operation, bool stands_first) {
-    if (operand.operation != operation) return false;
+bool Drafts::may_join(DraftTree operand, Operation operation, bool stands_first) const {
+    if (operand < 0 || (*this)[operand].operation != operation) return false;
     if (operation == Operation::merge) return true;  // the outer one decides medium and priority of all of it
-    if (operand.priority) return false;
+    if ((*this)[operand].priority) return false;
     return stands_first || (operation != Operation::subtraction && operation != Operation::symdiff);
 }
 
-}  // namespace
+std::optional<Bounds> Drafts::prune(Operation operation, std::span<DraftTree>& operands) const {
+    if (operands.empty()) return std::nullopt;
+    // What the empty set does to the whole.
+    if (operation == Operation::subtraction && operands[0] == empty_set) return std::nullopt;
+    const auto present = std::remove(operands.begin(), operands.end(), empty_set);
+    if (present == operands.begin() || (operation == Operation::intersection && present != operands.end())) return std::nullopt;
+    operands = {operands.begin(), present};
 
-Draft::~Draft() {
-    std::vector<DraftPtr> pending = std::move(operands);
-    while (!pending.empty()) {
-        const DraftPtr draft = std::move(pending.back());
-        pending.pop_back();
-        if (draft.use_count() > 1) continue;
-        std::move(draft->operands.begin(), draft->operands.end(), std::back_inserter(pending));
-        draft->operands.clear();
+    Bounds box = box_of(operands[0]);
+    if (operation == Operation::intersection) {
+        for (DraftTree operand : operands) box = intersect(box, box_of(operand));
+        if (box.is_empty()) return std::nullopt;
+    } else if (operation == Operation::subtraction) {
+        const auto is_out_of_reach = [&](DraftTree operand) { return !box_of(operand).overlaps(box); };
+        operands = {operands.begin(), std::remove_if(operands.begin() + 1, operands.end(), is_out_of_reach)};
+    } else {
+        for (DraftTree operand : operands) box = unite(box, box_of(operand));
     }
+    return box;
 }
 
-DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optional<double> priority, std::int32_t medium) {
-    if (operands.empty()) return nullptr;
-    // What the empty set does to the whole.
-    if (operation == Operation::subtraction && !operands[0]) return nullptr;
-    if (operation == Operation::intersection && std::find(operands.begin(), operands.end(), nullptr) != operands.end())
-        return nullptr;
-    operands.erase(std::remove(operands.begin(), operands.end(), nullptr), operands.end());
-    if (operands.empty()) return nullptr;
-
-    Bounds box = operands[0]->box;
-    if (operation == Operation::intersection) {
-        for (const DraftPtr& operand : operands) box = intersect(box, operand->box);
-        if (box.is_empty()) return nullptr;
-    } else if (operation == Operation::subtraction) {
-        operands.erase(
-            std::remove_if(operands.begin() + 1, operands.end(), [&](const DraftPtr& d) { return !d->box.overlaps(box); }),
-            operands.end());
-    } else {
-        for (const DraftPtr& operand : operands) box = unite(box, operand->box);
-    }
+DraftTree Drafts::combine(Operation operation, std::span<DraftTree> operands, std::optional<double> priority,
+                          std::int32_t medium) {
+    const std::optional<Bounds> box = prune(operation, operands);
+    if (!box) return empty_set;
     if (operands.size() == 1 && !priority && medium < 0) return operands[0];
 
-    // The first operand, where it may be joined and belongs to nobody else, is continued: long chains are built in linear time.
-    const bool continues = operands[0].use_count() == 1 && may_join(*operands[0], operation, true);
-    const DraftPtr draft = continues ? std::move(operands[0]) : std::make_shared<Draft>();
-    draft->operation = operation;
-    draft->box = box;
-    draft->priority = priority;
-    draft->medium = medium;
-    if (continues)
-        operands.erase(operands.begin());
-    else
-        draft->leaf_count = 0;
-    for (DraftPtr& operand : operands) {
-        draft->leaf_count += operand->leaf_count;
-        if (may_join(*operand, operation, draft->operands.empty())) {
-            draft->depth = std::max(draft->depth, operand->depth);
-            draft->operands.insert(draft->operands.end(), operand->operands.begin(), operand->operands.end());
-        } else {
-            draft->depth = std::max(draft->depth, 1 + operand->depth);
-            draft->operands.push_back(std::move(operand));
-        }
+    // The first operand, where it may be joined, is continued: long chains are built in linear time.
+    DraftTree tree = operands[0];
+    if (may_join(tree, operation, true) && !(*this)[tree].is_shared) {
+        operands = operands.subspan(1);
+    } else {
+        tree = static_cast<DraftTree>(operations_.size());
+        operations_.emplace_back(&memory_).operands.reserve(operands.size());
     }
-    return draft;
+    Draft& draft = operations_[static_cast<std::size_t>(tree)];
+    draft.operation = operation;
+    draft.box = *box;
+    draft.priority = priority;
+    draft.medium = medium;
+    add_operands(operands, draft);
+    return tree;
 }
 
-void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids, int levels) {
-    const bool is_union = draft->operation == Operation::union_ && !draft->priority;
-    if (is_union) {
-        for (const DraftPtr& operand : draft->operands) split_into_solids(operand, solids, levels);
+void Drafts::add_operands(std::span<const DraftTree> operands, Draft& draft) const {
+    for (DraftTree operand : operands) {
+        draft.leaf_count += leaf_count(operand);
+        if (may_join(operand, draft.operation, draft.operands.empty())) {
+            const Draft& joined = (*this)[operand];
+            draft.depth = std::max(draft.depth, joined.depth);
+            draft.operands.insert(draft.operands.end(), joined.operands.begin(), joined.operands.end());
+        } else {
+            draft.depth = std::max(draft.depth, 1 + depth(operand));
+            draft.operands.push_back(operand);
+        }
+    }
+}
+
+// Whether it is an intersection with or a subtraction from a union.
+bool Drafts::distributes(DraftTree tree) const {
+    const Draft& draft = (*this)[tree];
+    if (draft.operation != Operation::subtraction && draft.operation != Operation::intersection) return false;
+    const DraftTree first = draft.operands[0];
+    return first >= 0 && (*this)[first].operation == Operation::union_ && !(*this)[first].priority && !draft.priority;
+}
+
+void Drafts::split_into_solids(DraftTree tree, std::vector<DraftTree>& solids, int levels) {
+    if (tree < 0) {
+        solids.push_back(tree);
         return;
     }
-    const bool distributes =
-        levels > 0 && (draft->operation == Operation::subtraction || draft->operation == Operation::intersection) &&
-        draft->operands[0]->operation == Operation::union_ && !draft->operands[0]->priority && !draft->priority;
-    if (distributes) {
-        std::vector<DraftPtr> parts;
-        std::size_t leaves = 0;
-        for (const DraftPtr& part : draft->operands[0]->operands) {
-            std::vector<DraftPtr> operands{part};
-            operands.insert(operands.end(), draft->operands.begin() + 1, draft->operands.end());
-            if (DraftPtr distributed = combine(draft->operation, std::move(operands), std::nullopt, -1)) {
-                leaves += distributed->leaf_count;
-                parts.push_back(std::move(distributed));
-            }
+    // New drafts may move the others: what is needed of one is copied.
+    if ((*this)[tree].operation == Operation::union_ && !(*this)[tree].priority) {
+        for (std::size_t i = 0; i < (*this)[tree].operands.size(); ++i)
+            split_into_solids((*this)[tree].operands[i], solids, levels);
+        return;
+    }
+    if (levels > 0 && distributes(tree)) {
+        const Operation operation = (*this)[tree].operation;
+        const std::pmr::vector<DraftTree> operands = (*this)[tree].operands, united = (*this)[operands[0]].operands;
+        std::vector<DraftTree> parts;
+        std::int64_t count = 0;
+        for (DraftTree part : united) {
+            share(part);
+            std::vector<DraftTree> part_operands{part};
+            part_operands.insert(part_operands.end(), operands.begin() + 1, operands.end());
+            const DraftTree distributed = combine(operation, part_operands, std::nullopt, -1);
+            if (distributed == empty_set) continue;
+            count += leaf_count(distributed);
+            parts.push_back(distributed);
         }
-        if (leaves <= 2 * draft->leaf_count) {
-            for (const DraftPtr& part : parts) split_into_solids(part, solids, levels - 1);
+        if (count <= 2 * std::int64_t{leaf_count(tree)}) {
+            for (DraftTree part : parts) split_into_solids(part, solids, levels - 1);
             return;
         }
     }
-    solids.push_back(draft);
+    solids.push_back(tree);
 }
 
 }  // namespace lapidary

@@ -3,52 +3,77 @@
 // The scene's trees on their way into the World: flattened, pruned by boxes, sheets taken out.
 #pragma once
 
-#include <memory>
+#include <cstdint>
+#include <memory_resource>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
 
-// A tree of operations with everything accumulated to its leaves. Null stands for the empty set. Shared, because a
-// distributed subtrahend and the clip of a sheet stand in several places.
-struct Draft {
-    Operation operation = Operation::leaf;
-    std::int32_t leaf = -1;    // of a leaf: its index in the list of all that are drafted
-    std::int32_t medium = -1;  // of a merge with a material of its own
-    std::vector<std::shared_ptr<Draft>> operands;
-    Bounds box;
-    std::optional<double> priority;
-    std::size_t leaf_count = 1;
-    std::size_t depth = 1;  // of the tree, in nodes
+// A tree of a drafted leaf or operation: the number of an operation or, where negative, ~ that of a leaf.
+using DraftTree = std::int32_t;
+constexpr DraftTree empty_set = INT32_MAX;
 
-    Draft() = default;
-    Draft(const Draft&) = delete;
-    Draft& operator=(const Draft&) = delete;
-    // Trees may be very deep: released one node after the other, not one inside the other.
-    ~Draft();
+// An operation with everything accumulated to its leaves.
+struct Draft {
+    Operation operation = Operation::union_;
+    bool is_shared = false;    // stands elsewhere, too: as what clips a sheet
+    std::int32_t medium = -1;  // of a merge with a material of its own
+    std::int32_t leaf_count = 0, depth = 1;
+    std::optional<double> priority;
+    Bounds box;
+    std::pmr::vector<DraftTree> operands;
+
+    explicit Draft(std::pmr::memory_resource* memory) : operands(memory) {}
 };
-using DraftPtr = std::shared_ptr<Draft>;
+
+class Drafts {
+public:
+    // All that are drafted, in the order of writing; in the World they stand solid by solid.
+    std::vector<Leaf> leaves;
+
+    const Draft& operator[](DraftTree operation) const { return operations_[static_cast<std::size_t>(operation)]; }
+    const Bounds& box_of(DraftTree tree) const { return tree < 0 ? leaves[~tree].box : (*this)[tree].box; }
+    std::int32_t leaf_count(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].leaf_count; }
+    std::int32_t depth(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].depth; }
+
+    // From now on an operation must stay as it is.
+    void share(DraftTree tree) {
+        if (tree >= 0 && tree != empty_set) operations_[static_cast<std::size_t>(tree)].is_shared = true;
+    }
+
+    // An operation on operands, with what is empty or out of reach left out: an operand that is empty, an intersection whose
+    // boxes miss one another, a subtrahend whose box misses what it is taken from. Nested operations of the same kind are joined
+    // where that changes nothing. The operands belong to this operation alone, and the list of them is used up.
+    DraftTree combine(Operation operation, std::span<DraftTree> operands, std::optional<double> priority, std::int32_t medium);
+
+    // Splits a tree into the list of those whose union it is: unions fall apart, and an intersection with or a subtraction from a
+    // union is distributed over it, each part keeping only the operands that its box meets. Gives up where the parts would have
+    // more than twice the leaves, and after `levels` distributions inside one another.
+    void split_into_solids(DraftTree tree, std::vector<DraftTree>& solids, int levels = 16);
+
+private:
+    // Leaves those operands that matter, and gives the box of the whole; nothing where that is empty.
+    std::optional<Bounds> prune(Operation operation, std::span<DraftTree>& operands) const;
+    void add_operands(std::span<const DraftTree> operands, Draft& draft) const;
+    bool may_join(DraftTree operand, Operation operation, bool stands_first) const;
+    bool distributes(DraftTree tree) const;
+
+    std::pmr::monotonic_buffer_resource memory_;  // of the lists of operands
+    std::vector<Draft> operations_;
+};
 
 // A sheet and what clips it.
 struct SheetDraft {
     struct Condition {
-        DraftPtr clip;  // null: the empty set
+        DraftTree clip = empty_set;
         bool inside = true;
     };
-    Leaf leaf;
+    std::int32_t leaf = -1;  // in Drafts::leaves
     std::vector<Condition> conditions;
 };
-
-// An operation on operands, with what is empty or out of reach left out: an operand that is empty,
-// an intersection whose boxes miss one another, a subtrahend whose box misses what it is taken from. Nested operations of the
-// same kind are joined where that changes nothing.
-DraftPtr combine(Operation operation, std::vector<DraftPtr> operands, std::optional<double> priority, std::int32_t medium);
-
-// Splits a solid into the list of solids whose union it is: unions fall apart, and an intersection with or a subtraction from
-// a union is distributed over it, each part keeping only the operands that its box meets. Gives up where the parts would have
-// more than twice the leaves, and after `levels` distributions inside one another.
-void split_into_solids(const DraftPtr& draft, std::vector<DraftPtr>& solids, int levels = 16);
 
 }  // namespace lapidary

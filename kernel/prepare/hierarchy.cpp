@@ -19,18 +19,20 @@ constexpr std::size_t few = 8;              // so few items are sorted, and ever
 constexpr std::size_t worth_a_task = 4096;  // items
 constexpr int depth_limit = 100;            // the traversal's stack holds 128 entries; beyond it, cut in the middle
 
-struct Box {
-    std::array<float, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+// The low ends, and the high ones with the other sign, so that both grow downward: one instruction includes all six.
+struct alignas(32) Box {
+    std::array<float, 8> ends{INFINITY, INFINITY, INFINITY, 0, INFINITY, INFINITY, INFINITY, 0};
+
+    float low(std::size_t axis) const { return ends[axis]; }
+    float high(std::size_t axis) const { return -ends[4 + axis]; }
+    float width(std::size_t axis) const { return -ends[4 + axis] - ends[axis]; }
 
     void include(const Box& other) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            low[i] = other.low[i] < low[i] ? other.low[i] : low[i];
-            high[i] = other.high[i] > high[i] ? other.high[i] : high[i];
-        }
+        for (std::size_t i = 0; i < ends.size(); ++i) ends[i] = other.ends[i] < ends[i] ? other.ends[i] : ends[i];
     }
     // In double: the squares of very large sizes are beyond a float.
     double half_area() const {
-        const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+        const double x = width(0), y = width(1), z = width(2);
         return x * y + y * z + z * x;
     }
 };
@@ -40,13 +42,22 @@ struct Entry {
     Box box;
     std::int32_t item = 0;
 
-    float twice_centre(std::size_t axis) const { return box.low[axis] + box.high[axis]; }
+    float twice_centre(std::size_t axis) const { return box.low(axis) + box.high(axis); }
+    // The middle, doubled, as a box.
+    Box twice_centre() const {
+        Box centre;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const float sum = box.ends[i] - box.ends[4 + i];
+            centre.ends[i] = sum, centre.ends[4 + i] = -sum;
+        }
+        return centre;
+    }
 };
 
 Entry make_entry(const Bounds& bounds, const Point& anchor, std::int32_t item) {
     const Vector low = bounds.low - anchor, high = bounds.high - anchor;
-    return {{{float_below(low.x), float_below(low.y), float_below(low.z)},
-             {float_above(high.x), float_above(high.y), float_above(high.z)}},
+    return {{{float_below(low.x), float_below(low.y), float_below(low.z), 0, float_below(-high.x), float_below(-high.y),
+              float_below(-high.z), 0}},
             item};
 }
 
@@ -56,9 +67,9 @@ struct Extent {
     std::size_t count = 0;
 
     void include(const Entry& entry) {
-        Box centre;
-        for (std::size_t axis = 0; axis < 3; ++axis) centre.low[axis] = centre.high[axis] = entry.twice_centre(axis);
-        include({entry.box, centre, 1});
+        box.include(entry.box);
+        centres.include(entry.twice_centre());
+        ++count;
     }
     void include(const Extent& other) {
         box.include(other.box);
@@ -68,10 +79,9 @@ struct Extent {
     double cost() const { return box.half_area() * static_cast<double>(count); }
 
     std::size_t widest_axis() const {
-        const auto width = [this](std::size_t axis) { return centres.high[axis] - centres.low[axis]; };
         std::size_t widest = 0;
         for (const std::size_t axis : {1, 2})
-            if (width(axis) > width(widest)) widest = axis;
+            if (centres.width(axis) > centres.width(widest)) widest = axis;
         return widest;
     }
 };
@@ -119,6 +129,7 @@ void sort_along(std::size_t axis, std::span<Entry> entries) {
 
 // Every entry a bin of its own.
 std::array<Extent, 2> cut_few(std::span<Entry> entries, const Extent& extent) {
+    if (entries.size() == 2) return {extent_of(entries.first(1)), extent_of(entries.last(1))};
     sort_along(extent.widest_axis(), entries);
     std::array<Extent, few> bins;
     for (std::size_t i = 0; i < entries.size(); ++i) bins[i].include(entries[i]);
@@ -134,8 +145,8 @@ std::array<Extent, 2> cut_in_the_middle(std::span<Entry> entries, const Extent& 
 // Brings the entries into two groups, the left one first.
 std::array<Extent, 2> cut(std::span<Entry> entries, const Extent& extent, int depth) {
     const std::size_t axis = extent.widest_axis();
-    const float low = extent.centres.low[axis];
-    const float per_bin = bin_count / (extent.centres.high[axis] - low);
+    const float low = extent.centres.low(axis);
+    const float per_bin = bin_count / extent.centres.width(axis);
     if (depth >= depth_limit || !(per_bin < INFINITY)) return cut_in_the_middle(entries, extent);
     if (entries.size() <= few) return cut_few(entries, extent);
 
@@ -152,10 +163,10 @@ std::array<Extent, 2> cut(std::span<Entry> entries, const Extent& extent, int de
 // A float box of a node, padded by what 1e-6 of its size is.
 void set_box(Hierarchy::Node& node, std::size_t child, const Box& box) {
     double size = 0;
-    for (std::size_t i = 0; i < 3; ++i) size = std::max<double>(size, box.high[i] - box.low[i]);
+    for (std::size_t i = 0; i < 3; ++i) size = std::max<double>(size, box.width(i));
     for (std::size_t i = 0; i < 3; ++i) {
-        node.low[child][i] = float_below(box.low[i] - 1e-6 * size);
-        node.high[child][i] = float_above(box.high[i] + 1e-6 * size);
+        node.low[child][i] = float_below(box.low(i) - 1e-6 * size);
+        node.high[child][i] = float_above(box.high(i) + 1e-6 * size);
     }
 }
 

@@ -4,10 +4,13 @@
 // combines the parts that are left.
 #include <fmt/format.h>
 
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <span>
-#include <unordered_map>
 #include <utility>
 
 #include "kernel/math/standard_arithmetic.h"
@@ -15,6 +18,7 @@
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
 #include "kernel/prepare/world.h"
+#include "kernel/scene/plain_material.h"
 
 namespace lapidary {
 
@@ -24,7 +28,7 @@ constexpr std::int32_t no_material = -1;
 
 // Evaluation from node to node recurses, and its time grows with the square of the depth: what is left of the depth after
 // joining and splitting may be this much.
-constexpr std::size_t deepest_followed = 100;
+constexpr std::int32_t deepest_followed = 100;
 
 // The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off. Lines are
 // placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
@@ -37,6 +41,46 @@ Bounds padded_box(const Leaf& leaf) {
     return {box.low - pad, box.high + pad};
 }
 
+// Numbers of addresses, in one open table: with hundreds of thousands of them, a list node for each would take its time.
+class NumberOfAddress {
+public:
+    NumberOfAddress() : slots_(64) {}
+
+    // The number of an address; -1 where it is new, for the caller to change. Holds until the next call.
+    std::int32_t& operator[](const void* address) {
+        if (2 * ++count_ > slots_.size()) grow();
+        Slot& slot = slot_of(address);
+        if (slot.address) --count_;
+        slot.address = address;
+        return slot.number;
+    }
+
+private:
+    struct Slot {
+        const void* address = nullptr;
+        std::int32_t number = -1;
+    };
+
+    Slot& slot_of(const void* address) {
+        const std::size_t mask = slots_.size() - 1;
+        // Things made one after the other mostly stand near to one another in memory: here, too.
+        const auto bits = std::bit_cast<std::uintptr_t>(address);
+        std::size_t i = (bits >> 7 ^ bits >> 26) & mask;
+        while (slots_[i].address && slots_[i].address != address) i = (i + 1) & mask;
+        return slots_[i];
+    }
+
+    void grow() {
+        std::vector<Slot> old(2 * slots_.size());
+        old.swap(slots_);
+        for (const Slot& slot : old)
+            if (slot.address) slot_of(slot.address) = slot;
+    }
+
+    std::vector<Slot> slots_;
+    std::size_t count_ = 0;
+};
+
 class Preparer {
 public:
     Preparer(const Scene& scene, World& world, Messages& messages) : scene_(scene), world_(world), messages_(messages) {}
@@ -46,18 +90,18 @@ public:
         world_.background = scene_.background;
         world_.materials.emplace_back();  // what objects without material are made of
         world_.materials.back().is_uniform = true;
+        world_.materials.back().matter = std::make_shared<const Matter>();
         world_.materials.back().number = 1;
         for (const SceneLight& light : scene_.lights) {
             (light.light->is_ambient() ? world_.ambient_lights : world_.lights).push_back(light.light);
             world_.features.extended_lights |= light.light->has_extent();
         }
         if (scene_.root)
-            if (const DraftPtr all = draft_tree(*scene_.root)) split_into_solids(all, solids_);
+            if (const DraftTree all = draft_tree(*scene_.root); all != empty_set) drafts_.split_into_solids(all, solids_);
         emit_everything();
         for (const Solid& solid : world_.solids)
-            if (solid.box.is_finite()) world_.bounds = unite(world_.bounds, solid.box);
+            if (const Bounds& box = world_.box_of(solid.root); box.is_finite()) world_.bounds = unite(world_.bounds, box);
         set_rounding();
-        for (Leaf& leaf : world_.leaves) note_faces(leaf);
         if (options.coincidence) recognise_coincident_surfaces(world_, messages_);
         for (Solid& solid : world_.solids)
             if (solid.deep_tree < 0) find_product_form(solid);
@@ -93,80 +137,114 @@ private:
     struct Visit {
         const SceneNode* node = nullptr;
         Surroundings here;
-        std::vector<DraftPtr> operands;  // drafted so far; null where empty
+        std::size_t first_operand = 0;  // in the list of operands under way, those drafted so far; empty ones, too
         std::vector<OperandSheets> sheets;
         std::int32_t leftmost_medium = 0;  // of the leaf written first, whether it is out of reach or not
-
-        Visit(const SceneNode& visited, Surroundings inside) : node(&visited), here(std::move(inside)) {
-            operands.reserve(visited.operands.size());
-        }
     };
 
-    // What has become of a node: its solid, null where it is empty, and the sheets that are left, clipped.
+    // What has become of a node: its solid, and the sheets that are left, clipped.
     struct Drafted {
-        DraftPtr draft;
+        DraftTree tree = empty_set;
         std::vector<SheetDraft> sheets;
         std::int32_t leftmost_medium = 0;
     };
 
     // The whole tree, depth first with a stack of its own: names can chain nodes a hundred thousand deep.
-    DraftPtr draft_tree(const SceneNode& root) {
+    DraftTree draft_tree(const SceneNode& root) {
         if (root.operation == Operation::leaf) return finish(draft_leaf(root, enter_node(root, {})));
         std::vector<Visit> stack;
-        stack.emplace_back(root, enter_node(root, {}));
+        stack.push_back({&root, enter_node(root, {}), 0, {}, 0});
         for (;;) {
             Visit& visit = stack.back();
-            if (visit.operands.size() == visit.node->operands.size()) {
+            const std::size_t done = under_way_.size() - visit.first_operand;
+            if (done == visit.node->operands.size()) {
                 Drafted drafted = combine_operands(visit);
                 stack.pop_back();
                 if (stack.empty()) return finish(std::move(drafted));
                 take(stack.back(), std::move(drafted));
                 continue;
             }
-            const SceneNode& next = *visit.node->operands[visit.operands.size()];
-            Surroundings here = enter_node(next, around_operand(visit));
+            look_ahead(visit.node->operands, done);
+            const SceneNode& next = *visit.node->operands[done];
+            Surroundings here = enter_node(next, around_operand(visit, done));
             if (next.operation == Operation::leaf)
                 take(visit, draft_leaf(next, here));
             else
-                stack.emplace_back(next, std::move(here));
+                stack.push_back({&next, std::move(here), under_way_.size(), {}, 0});
         }
     }
 
-    DraftPtr finish(Drafted root) {
-        sheets_ = std::move(root.sheets);
-        return std::move(root.draft);
+    // Asks for the memory of the operands to come, in steps, each of which needs what the one before asked for: they stand here
+    // and there, and to wait for each of them would take as long as all the rest. Inline, as g++ 12 takes calls of functions
+    // that do nothing but this for superfluous.
+    [[gnu::always_inline]] static void look_ahead(const std::vector<SceneNodePtr>& operands, std::size_t next) {
+        constexpr std::size_t step = 2, few = 4;
+        const auto ahead = [&](std::size_t steps) {
+            const std::size_t index = next + steps * step;
+            return index < operands.size() ? operands[index].get() : nullptr;
+        };
+        if (const SceneNode* node = ahead(4)) ask_for(node);
+        if (const SceneNode* node = ahead(3)) ask_for_parts(*node);
+        if (const SceneNode* node = ahead(2))
+            for (std::size_t i = 0; i < std::min(few, node->operands.size()); ++i) ask_for(node->operands[i].get());
+        if (const SceneNode* node = ahead(1))
+            for (std::size_t i = 0; i < std::min(few, node->operands.size()); ++i) ask_for_parts(*node->operands[i]);
+        if (const SceneNode* node = ahead(0))
+            for (std::size_t i = 0; i < std::min(few, node->operands.size()); ++i)
+                if (const SceneMaterial* material = node->operands[i]->material.get()) ask_for(material->material.get());
     }
 
-    // What the next operand of a node finds around itself.
-    static Surroundings around_operand(const Visit& visit) {
+    [[gnu::always_inline]] static void ask_for_parts(const SceneNode& node) {
+        if (!node.operands.empty()) ask_for(node.operands.data());
+        if (node.object) ask_for(node.object.get());
+        if (node.material) ask_for(node.material.get());
+    }
+
+    template <class T>
+    [[gnu::always_inline]] static void ask_for(const T* object) {
+        constexpr std::size_t cache_line = 64;
+        for (std::size_t i = 0; i < sizeof(T); i += cache_line) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);
+    }
+
+    DraftTree finish(Drafted root) {
+        sheets_ = std::move(root.sheets);
+        return root.tree;
+    }
+
+    // What an operand of a node finds around itself.
+    static Surroundings around_operand(const Visit& visit, std::size_t operand) {
         Surroundings around = visit.here;
         const Operation operation = visit.node->operation;
         const bool right_cuts = operation == Operation::subtraction || operation == Operation::intersection;
-        if (right_cuts && !visit.operands.empty()) around.cuts = true, around.appearance = no_material;
+        if (right_cuts && operand > 0) around.cuts = true, around.appearance = no_material;
         return around;
     }
 
-    static void take(Visit& visit, Drafted operand) {
-        if (visit.operands.empty()) visit.leftmost_medium = operand.leftmost_medium;
-        if (!operand.sheets.empty()) visit.sheets.push_back({visit.operands.size(), std::move(operand.sheets)});
-        visit.operands.push_back(std::move(operand.draft));
+    void take(Visit& visit, Drafted operand) {
+        const std::size_t done = under_way_.size() - visit.first_operand;
+        if (done == 0) visit.leftmost_medium = operand.leftmost_medium;
+        if (!operand.sheets.empty()) visit.sheets.push_back({done, std::move(operand.sheets)});
+        under_way_.push_back(operand.tree);
     }
 
     Drafted combine_operands(Visit& visit) {
         const SceneNode& node = *visit.node;
+        const std::span<DraftTree> operands = std::span(under_way_).subspan(visit.first_operand);
         Drafted drafted;
         for (OperandSheets& below : visit.sheets)
-            clip_sheets(node.operation, below.operand, visit.operands, below.sheets, drafted.sheets);
+            clip_sheets(node.operation, below.operand, operands, below.sheets, drafted.sheets);
         drafted.leftmost_medium = visit.leftmost_medium;
         // A merge is of one medium: its own, else that of what stands leftmost in it.
         std::int32_t medium = no_material;
         if (node.operation == Operation::merge) medium = node.material ? visit.here.medium : visit.leftmost_medium;
-        drafted.draft = combine(node.operation, std::move(visit.operands), node.priority, medium);
+        drafted.tree = drafts_.combine(node.operation, operands, node.priority, medium);
+        under_way_.resize(visit.first_operand);
         return drafted;
     }
 
     Drafted draft_leaf(const SceneNode& node, const Surroundings& here) {
-        Leaf leaf;
+        const auto index = static_cast<std::int32_t>(drafts_.leaves.size());
+        Leaf& leaf = drafts_.leaves.emplace_back();
         leaf.object = node.object.get();
         leaf.placement = Transform(here.to_world);
         leaf.medium = std::max(here.medium, 0);
@@ -176,111 +254,150 @@ private:
         leaf.source = &node;
         leaf.name = here.name;
         leaf.box = padded_box(leaf);
+        note_faces(leaf);
         world_.most_spans = std::max(world_.most_spans, leaf.object->max_spans());
 
         Drafted drafted;
         drafted.leftmost_medium = leaf.medium;
         if (leaf.object->is_sheet()) {
             leaf.appearance = leaf.medium;
-            drafted.sheets.push_back({std::move(leaf), {}});
-            return drafted;
+            drafted.sheets.push_back({index, {}});
+        } else {
+            drafted.tree = ~index;
         }
-        drafted.draft = std::make_shared<Draft>();
-        drafted.draft->leaf = static_cast<std::int32_t>(leaves_.size());
-        drafted.draft->box = leaf.box;
-        leaves_.push_back(std::move(leaf));
         return drafted;
     }
 
     // A sheet has no inside: it takes part in no operation, but is seen only where the operands beside it let it be.
-    void clip_sheets(Operation operation, std::size_t own, const std::vector<DraftPtr>& operands, std::vector<SheetDraft>& from,
+    void clip_sheets(Operation operation, std::size_t own, std::span<const DraftTree> operands, std::vector<SheetDraft>& from,
                      std::vector<SheetDraft>& to) {
         for (SheetDraft& sheet : from) {
             if (operation == Operation::subtraction && own > 0) {
                 messages_.warning(
-                    sheet.leaf.source->place,
+                    drafts_.leaves[sheet.leaf].source->place,
                     "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
                 continue;
             }
             if (operation == Operation::subtraction || operation == Operation::intersection)
-                for (std::size_t i = 0; i < operands.size(); ++i)
-                    if (i != own) sheet.conditions.push_back({operands[i], operation == Operation::intersection});
+                for (std::size_t i = 0; i < operands.size(); ++i) {
+                    if (i == own) continue;
+                    drafts_.share(operands[i]);
+                    sheet.conditions.push_back({operands[i], operation == Operation::intersection});
+                }
             to.push_back(std::move(sheet));
         }
     }
 
+    // A uniform one stands in the World once, others once for each place.
     std::int32_t place_material(const SceneMaterial& scene_material, const ExactTransform& to_world) {
         const Material& material = *scene_material.material;
-        const auto [known, is_new] = uniform_.try_emplace(&scene_material, static_cast<std::int32_t>(world_.materials.size()));
-        if (!is_new && material.is_uniform()) return known->second;
+        const auto index = static_cast<std::int32_t>(world_.materials.size());
+        std::int32_t& known = known_materials_[&scene_material];
+        const bool is_new = known < 0;
+        if (is_new) known = index;
 
         MaterialInstance instance;
+        instance.is_uniform = material.is_uniform();
+        if (!is_new && instance.is_uniform) return known;
         instance.material = &material;
         instance.source = &scene_material;
-        instance.number = is_new ? ++material_number_ : world_.materials[known->second].number;
-        instance.is_uniform = material.is_uniform();
+        instance.number = is_new ? ++material_number_ : world_.materials[known].number;
         instance.may_be_transparent = material.may_be_transparent();
         world_.features.reflection |= material.may_reflect();
         world_.features.relief |= material.may_have_relief();
-        if (instance.is_uniform) {
-            instance.matter = material.evaluate({});
-        } else {
-            instance.placement = Transform(to_world);
-            const Matrix3& m = instance.placement.inverse_linear();
-            const Vector r0{m[0][0], m[0][1], m[0][2]}, r1{m[1][0], m[1][1], m[1][2]}, r2{m[2][0], m[2][1], m[2][2]};
-            instance.scale = std::cbrt(std::fabs(dot(cross(r0, r1), r2)));
-        }
+        if (instance.is_uniform)
+            instance.matter = uniform_matter(scene_material);
+        else
+            instance.place = std::make_shared<const MaterialPlacement>(placement_of(to_world));
         world_.materials.push_back(std::move(instance));
-        return static_cast<std::int32_t>(world_.materials.size()) - 1;
+        return index;
+    }
+
+    // That of plain matter is where it is, as long as the scene lives.
+    static std::shared_ptr<const Matter> uniform_matter(const SceneMaterial& scene_material) {
+        const Material& material = *scene_material.material;
+        const bool is_plain = !scene_material.texture && scene_material.children.empty();
+        if (is_plain) return {std::shared_ptr<const Matter>(), &static_cast<const PlainMaterial&>(material).matter()};
+        return std::make_shared<const Matter>(material.evaluate({}));
+    }
+
+    static MaterialPlacement placement_of(const ExactTransform& to_world) {
+        MaterialPlacement placement{Transform(to_world)};
+        const Matrix3& m = placement.transform.inverse_linear();
+        const Vector r0{m[0][0], m[0][1], m[0][2]}, r1{m[1][0], m[1][1], m[1][2]}, r2{m[2][0], m[2][1], m[2][2]};
+        placement.scale = std::cbrt(std::fabs(dot(cross(r0, r1), r2)));
+        return placement;
     }
 
     void emit_everything() {
-        std::size_t leaf_count = sheets_.size();
-        for (const DraftPtr& draft : solids_) leaf_count += draft->leaf_count;
-        world_.leaves.reserve(leaf_count);
         world_.solids.reserve(solids_.size());
-        for (const DraftPtr& draft : solids_) world_.solids.push_back(emit_solid(*draft));
+        world_.nodes.reserve(solids_.size());
+        order_.reserve(drafts_.leaves.size());
+        for (DraftTree tree : solids_) world_.solids.push_back(emit_solid(tree));
         for (SheetDraft& draft : sheets_) emit_sheet(draft);
-        solids_ = {};
-        sheets_ = {};
-        leaves_ = {};
+        arrange_leaves();
+        for (const std::vector<Solid>* solids : {&world_.solids, &world_.clips})
+            for (const Solid& solid : *solids)
+                if (solid.deep_tree >= 0)
+                    world_.deep_trees[solid.deep_tree] =
+                        make_deep_tree(world_, solid, world_.deep_trees[solid.deep_tree].first_node);
+    }
+
+    // The leaves of a solid stand together. Mostly they do so already, some perhaps left out.
+    void arrange_leaves() {
+        std::vector<Leaf>& drafted = drafts_.leaves;
+        if (std::adjacent_find(order_.begin(), order_.end(), std::greater_equal<>()) == order_.end()) {
+            for (std::size_t i = 0; i < order_.size(); ++i)
+                if (const auto from = static_cast<std::size_t>(order_[i]); from != i) drafted[i] = std::move(drafted[from]);
+            drafted.resize(order_.size());
+            world_.leaves = std::move(drafted);
+        } else {
+            world_.leaves.reserve(order_.size());
+            for (std::int32_t leaf : order_) world_.leaves.push_back(drafted[leaf]);
+        }
     }
 
     void emit_sheet(SheetDraft& draft) {
         Sheet sheet;
         for (const SheetDraft::Condition& condition : draft.conditions) {
-            if (condition.clip) {
+            if (condition.clip != empty_set) {
                 sheet.conditions.push_back({static_cast<std::int32_t>(world_.clips.size()), condition.inside});
-                world_.clips.push_back(emit_solid(*condition.clip));
+                world_.clips.push_back(emit_solid(condition.clip));
             } else if (condition.inside) {
                 return;  // clipped to the empty set
             }
         }
-        const auto comes_before_sheet = [&](const Solid& solid) {
-            return world_.leaves[solid.first_leaf].number < draft.leaf.number;
-        };
+        const auto comes_before_sheet = [&](const Solid& solid) { return order_[solid.first_leaf] < draft.leaf; };
         sheet.order = static_cast<std::int32_t>(std::count_if(world_.solids.begin(), world_.solids.end(), comes_before_sheet));
-        sheet.leaf = static_cast<std::int32_t>(world_.leaves.size());
-        world_.leaves.push_back(std::move(draft.leaf));
+        sheet.leaf = static_cast<std::int32_t>(order_.size());
+        order_.push_back(draft.leaf);
         world_.sheets.push_back(std::move(sheet));
     }
 
+    // Leaves whose faces are those of one just before share them with it: what is made in numbers is mostly alike.
     void note_faces(Leaf& leaf) {
         const Surfaces surfaces = leaf.object->surfaces();
-        leaf.first_face = static_cast<std::int32_t>(world_.faces.size());
         leaf.face_count = static_cast<std::int32_t>(surfaces.size());
-        world_.faces.insert(world_.faces.end(), surfaces.begin(), surfaces.end());
+        if (surfaces.empty()) return;
+        constexpr std::size_t how_far_back = 64;
+        const std::size_t count = world_.faces.size();
+        const auto recent = world_.faces.end() - static_cast<std::ptrdiff_t>(std::min(count, how_far_back));
+        const auto is_same = [](const Surface& a, const Surface& b) {
+            return a.kind == b.kind && a.a == b.a && a.b == b.b && a.c == b.c && a.d == b.d;
+        };
+        const auto found = std::search(recent, world_.faces.end(), surfaces.begin(), surfaces.end(), is_same);
+        leaf.first_face = static_cast<std::int32_t>(found - world_.faces.begin());
+        if (found == world_.faces.end()) world_.faces.insert(world_.faces.end(), surfaces.begin(), surfaces.end());
     }
 
-    Solid emit_solid(const Draft& draft) {
+    Solid emit_solid(DraftTree tree) {
         Solid solid;
         const std::size_t first_node = world_.nodes.size();
-        solid.first_leaf = static_cast<std::int32_t>(world_.leaves.size());
-        solid.root = emit_nodes(draft);
-        solid.leaf_count = static_cast<std::int32_t>(world_.leaves.size()) - solid.first_leaf;
-        solid.box = draft.box;
+        solid.first_leaf = static_cast<std::int32_t>(order_.size());
+        solid.root = emit_tree(tree);
+        solid.leaf_count = static_cast<std::int32_t>(order_.size()) - solid.first_leaf;
         for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
-            const Leaf& leaf = world_.leaves[solid.first_leaf + i];
+            const Leaf& leaf = drafts_.leaves[order_[solid.first_leaf + i]];
             solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;
         }
         for (std::size_t i = first_node; i < world_.nodes.size(); ++i) {
@@ -289,56 +406,61 @@ private:
             solid.has_interfaces |= node.operation == Operation::union_ || node.operation == Operation::symdiff;
         }
         world_.most_leaves = std::max(world_.most_leaves, solid.leaf_count);
-        if (draft.depth > deepest_followed) {
+        if (drafts_.depth(tree) > deepest_followed) {
             solid.deep_tree = static_cast<std::int32_t>(world_.deep_trees.size());
-            world_.deep_trees.push_back(make_deep_tree(world_, solid, static_cast<std::int32_t>(first_node)));
+            world_.deep_trees.emplace_back().first_node = static_cast<std::int32_t>(first_node);  // until all leaves stand
         }
         return solid;
     }
 
+    // An operation whose operands are being emitted.
+    struct Emission {
+        DraftTree tree = 0;
+        std::int32_t leftmost = 0;      // leaf below
+        std::size_t first_operand = 0;  // in the list of operands under way
+    };
+
     // Operands first, so that a node's index is above those of its operands; with a stack of its own, as trees may be deep.
-    std::int32_t emit_nodes(const Draft& root) {
-        struct Emission {
-            const Draft* draft;
-            std::int32_t leftmost;               // leaf below
-            std::vector<std::int32_t> operands;  // emitted so far
-        };
-        std::vector<Emission> stack;
-        const auto begin = [&](const Draft& draft) {
-            stack.push_back({&draft, static_cast<std::int32_t>(world_.leaves.size()), {}});
-        };
-        begin(root);
+    std::int32_t emit_tree(DraftTree root) {
+        if (root < 0) return emit_leaf(root);
+        emissions_.push_back({root, static_cast<std::int32_t>(order_.size()), under_way_.size()});
         for (;;) {
-            const Draft& draft = *stack.back().draft;
-            if (const std::size_t next = stack.back().operands.size(); next < draft.operands.size()) {
-                begin(*draft.operands[next]);
-                continue;
+            const Emission& emission = emissions_.back();
+            const Draft& draft = drafts_[emission.tree];
+            const std::size_t done = under_way_.size() - emission.first_operand;
+            if (done == draft.operands.size()) {
+                emit_node(draft, emission);
+                emissions_.pop_back();
+                const auto index = static_cast<std::int32_t>(world_.nodes.size()) - 1;
+                if (emissions_.empty()) return index;
+                under_way_.push_back(index);
+            } else if (const DraftTree next = draft.operands[done]; next < 0) {
+                under_way_.push_back(emit_leaf(next));
+            } else {
+                emissions_.push_back({next, static_cast<std::int32_t>(order_.size()), under_way_.size()});
             }
-            emit_node(draft, stack.back().leftmost, stack.back().operands);
-            const auto index = static_cast<std::int32_t>(world_.nodes.size()) - 1;
-            stack.pop_back();
-            if (stack.empty()) return index;
-            stack.back().operands.push_back(index);
         }
     }
 
-    void emit_node(const Draft& draft, std::int32_t leftmost, const std::vector<std::int32_t>& operands) {
+    std::int32_t emit_leaf(DraftTree leaf) {
+        order_.push_back(~leaf);
+        return ~(static_cast<std::int32_t>(order_.size()) - 1);
+    }
+
+    void emit_node(const Draft& draft, const Emission& emission) {
         Node node;
         node.operation = draft.operation;
         node.box = draft.box;
         node.has_priority = draft.priority.has_value();
         node.priority = draft.priority.value_or(0);
-        if (draft.operation == Operation::leaf) {
-            node.first = static_cast<std::int32_t>(world_.leaves.size());
-            world_.leaves.push_back(leaves_[draft.leaf]);
-        } else {
-            node.first = static_cast<std::int32_t>(world_.children.size());
-            node.count = static_cast<std::int32_t>(operands.size());
-            world_.children.insert(world_.children.end(), operands.begin(), operands.end());
-            if (draft.operation == Operation::merge) {
-                node.owner = leftmost;
-                node.medium = draft.medium;
-            }
+        const std::span<const std::int32_t> operands = std::span(under_way_).subspan(emission.first_operand);
+        node.first = static_cast<std::int32_t>(world_.children.size());
+        node.count = static_cast<std::int32_t>(operands.size());
+        world_.children.insert(world_.children.end(), operands.begin(), operands.end());
+        under_way_.resize(emission.first_operand);
+        if (draft.operation == Operation::merge) {
+            node.owner = emission.leftmost;
+            node.medium = draft.medium;
         }
         world_.nodes.push_back(node);
     }
@@ -347,18 +469,19 @@ private:
     void set_rounding() {
         const double scene_size = length(region_of_interest(world_).diagonal());
         for (std::vector<Solid>* solids : {&world_.solids, &world_.clips})
-            for (Solid& solid : *solids)
-                solid.rounding = coincidence_tolerance(0, solid.box.is_finite() ? length(solid.box.diagonal()) : scene_size);
+            for (Solid& solid : *solids) {
+                const Bounds& box = world_.box_of(solid.root);
+                solid.rounding = coincidence_tolerance(0, box.is_finite() ? length(box.diagonal()) : scene_size);
+            }
     }
 
     void find_product_form(Solid& solid) {
         std::vector<std::int32_t>&positive = positive_, &negative = negative_;
         positive.clear();
         negative.clear();
-        const Node& root = world_.nodes[solid.root];
-        const std::span<const std::int32_t> operands(world_.children.data() + root.first, static_cast<std::size_t>(root.count));
         bool fits = false;
-        if (root.operation == Operation::subtraction) {
+        if (solid.root >= 0 && world_.nodes[solid.root].operation == Operation::subtraction) {
+            const std::span<const std::int32_t> operands = world_.operands_of(world_.nodes[solid.root]);
             fits = gather_leaves(operands[0], Operation::intersection, positive) &&
                    std::all_of(operands.begin() + 1, operands.end(),
                                [&](std::int32_t operand) { return gather_leaves(operand, Operation::union_, negative); });
@@ -381,20 +504,20 @@ private:
         if (negative.size() <= few) return;
         std::vector<Bounds> boxes;
         for (std::int32_t leaf : negative) boxes.push_back(world_.leaves[leaf].box);
-        solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(solid.box), world_.negative_blocks);
+        solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(world_.box_of(solid.root)), world_.negative_blocks);
     }
 
     // The leaves of a tree of one operation only, where each has one span on any line.
-    bool gather_leaves(std::int32_t index, Operation operation, std::vector<std::int32_t>& leaves) const {
-        const Node& node = world_.nodes[index];
-        if (node.operation == Operation::leaf) {
-            leaves.push_back(node.first);
-            return has_one_span(world_, world_.leaves[node.first]);
+    bool gather_leaves(std::int32_t tree, Operation operation, std::vector<std::int32_t>& leaves) const {
+        if (tree < 0) {
+            leaves.push_back(~tree);
+            return has_one_span(world_, world_.leaves[~tree]);
         }
+        const Node& node = world_.nodes[tree];
         if (node.operation != operation && !(operation == Operation::union_ && node.operation == Operation::merge)) return false;
-        for (std::int32_t i = 0; i < node.count; ++i)
-            if (!gather_leaves(world_.children[node.first + i], operation, leaves)) return false;
-        return true;
+        const std::span<const std::int32_t> operands = world_.operands_of(node);
+        return std::all_of(operands.begin(), operands.end(),
+                           [&](std::int32_t operand) { return gather_leaves(operand, operation, leaves); });
     }
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.
@@ -404,7 +527,7 @@ private:
         boxes.reserve(world_.solids.size());
         items.reserve(world_.solids.size());
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
-            const Bounds& box = world_.solids[i].box;
+            const Bounds& box = world_.box_of(world_.solids[i].root);
             if (fits_hierarchy(box)) {
                 boxes.push_back(box);
                 items.push_back(static_cast<std::int32_t>(i));
@@ -425,11 +548,14 @@ private:
     const Scene& scene_;
     World& world_;
     Messages& messages_;
-    std::vector<Leaf> leaves_;  // as drafted; in the World they stand solid by solid
-    std::vector<DraftPtr> solids_;
+    Drafts drafts_;
+    std::vector<DraftTree> solids_;
     std::vector<SheetDraft> sheets_;
+    std::vector<std::int32_t> order_;      // in which the drafted leaves stand in the World
+    std::vector<std::int32_t> under_way_;  // operands of what is being drafted or emitted
+    std::vector<Emission> emissions_;
     std::vector<std::int32_t> positive_, negative_;  // of the solid that is looked at
-    std::unordered_map<const SceneMaterial*, std::int32_t> uniform_;
+    NumberOfAddress known_materials_;
     std::int32_t leaf_number_ = 0, material_number_ = 1;
 };
 
@@ -452,7 +578,11 @@ std::string Features::describe() const {
 std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages, const PrepareOptions& options) {
     const StandardArithmetic standard;
     auto world = std::make_shared<World>();
-    Preparer(scene, *world, messages).run(options);
+    const auto run = [&] { Preparer(scene, *world, messages).run(options); };
+    if (options.threads > 0)
+        tbb::task_arena(options.threads).execute(run);
+    else
+        run();
     return world;
 }
 

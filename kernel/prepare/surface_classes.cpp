@@ -9,6 +9,7 @@
 #include <cmath>
 #include <deque>
 #include <functional>
+#include <span>
 
 #include "kernel/interfaces/object.h"
 
@@ -203,14 +204,13 @@ double sweep_key(const Leaf& leaf, const Surface& surface, const Point& probe) {
 
 // The surfaces by which an object is compared with others. A sheet bounds nothing, but may lie in a face: its one plane takes
 // part.
-Surfaces compared_surfaces(const Object& object) {
-    Surfaces surfaces = object.surfaces();
-    if (object.is_sheet() && !surfaces.empty()) surfaces.resize(1);
-    return surfaces;
+std::span<const Surface> compared_faces(const World& world, const Leaf& leaf) {
+    const std::span<const Surface> faces = world.faces_of(leaf);
+    return faces.size() < 2 || !leaf.object->is_sheet() ? faces : faces.first(1);
 }
 
-bool is_compared_as_a_whole(const Object& object, const Surfaces& surfaces) {
-    return surfaces.empty() && !object.is_sheet() && object.max_spans() <= 2;
+bool is_compared_as_a_whole(const Leaf& leaf) {
+    return leaf.face_count == 0 && !leaf.object->is_sheet() && leaf.object->max_spans() <= 2;
 }
 
 // A face and where it stands in the sweep: equal surfaces have nearly equal keys.
@@ -225,7 +225,7 @@ struct SweptFace {
 class KeyTable {
 public:
     KeyTable(std::size_t count, double plane_window, double window) : plane_window_(plane_window), window_(window) {
-        counts_.resize(std::bit_ceil(16 * count));
+        counts_.resize(std::bit_ceil(std::max<std::size_t>(16 * count, 64)));
     }
     void add(const SweptFace& face) {
         std::uint8_t& count = counts_[slot(face, 0)];
@@ -239,9 +239,13 @@ private:
     std::size_t slot(const SweptFace& face, double offset) const {
         const double window = face.kind == PlacedSurface::Kind::plane ? plane_window_ : window_;
         const double step = std::floor(face.key / (2 * window)) + offset;
+        // Neighbouring slots mostly stand in one line of the cache.
+        constexpr double together = 64;
+        const double line = std::floor(step / together), place = step - together * line;
         const std::uint64_t hash =
-            (std::bit_cast<std::uint64_t>(step) + static_cast<std::uint64_t>(face.kind)) * 0x9E3779B97F4A7C15;
-        return (hash ^ hash >> 32) & (counts_.size() - 1);
+            (std::bit_cast<std::uint64_t>(line) + static_cast<std::uint64_t>(face.kind)) * 0x9E3779B97F4A7C15;
+        const auto within = static_cast<std::uint64_t>(place < together ? place : 0);  // where keys are beyond numbers: any
+        return (static_cast<std::uint64_t>(together) * (hash ^ hash >> 32) + within) & (counts_.size() - 1);
     }
 
     double plane_window_, window_;
@@ -279,6 +283,9 @@ private:
 
     // Once: what stands so far out that its faces cannot be told from one another.
     void warn_of_distance(const Leaf& leaf) {
+        // By its box alone, and without a look at the object: no size that rounding may come near to.
+        const Vector from_origin = to_vector(leaf.placement.centre().anchor), across = leaf.box.diagonal();
+        if (dot(across, across) > 1e-18 * dot(from_origin, from_origin)) return;
         const Vector own = leaf.object->bounds().diagonal();
         if (is_far_ || !(dot(own, own) < infinity)) return;
         const double size = length(leaf.placement.to_parent(own)), far = length(to_vector(leaf.placement.centre().anchor));
@@ -294,20 +301,19 @@ private:
 
     void add_faces(std::int32_t index, std::vector<SweptFace>& faces) const {
         const Leaf& leaf = world_.leaves[index];
-        const Surfaces surfaces = compared_surfaces(*leaf.object);
+        const std::span<const Surface> surfaces = compared_faces(world_, leaf);
         const auto add = [&](double key, std::size_t face, PlacedSurface::Kind kind) {
             faces.push_back({std::isfinite(key) ? key : 0, index, static_cast<std::int32_t>(face), kind});
         };
         for (std::size_t face = 0; face < surfaces.size(); ++face)
             add(sweep_key(leaf, surfaces[face], probe_), face, kind_of(surfaces[face]));
-        if (is_compared_as_a_whole(*leaf.object, surfaces))
-            add(sweep_key(place_whole(leaf), probe_), 0, PlacedSurface::Kind::whole);
+        if (is_compared_as_a_whole(leaf)) add(sweep_key(place_whole(leaf), probe_), 0, PlacedSurface::Kind::whole);
     }
 
     PlacedSurface place_face(const SweptFace& face) const {
         const Leaf& leaf = world_.leaves[face.leaf];
         const bool whole = face.kind == PlacedSurface::Kind::whole;
-        PlacedSurface placed = whole ? place_whole(leaf) : place(leaf, leaf.object->surfaces()[face.face]);
+        PlacedSurface placed = whole ? place_whole(leaf) : place(leaf, world_.faces_of(leaf)[face.face]);
         placed.leaf = face.leaf;
         placed.face = face.face;
         placed.key = face.key;
@@ -376,7 +382,7 @@ private:
             const auto index = static_cast<std::int32_t>(i);
             Leaf& leaf = world_.leaves[i];
             leaf.first_surface = static_cast<std::int32_t>(world_.surface_uses.size());
-            leaf.surface_count = std::max(1, static_cast<std::int32_t>(compared_surfaces(*leaf.object).size()));
+            leaf.surface_count = std::max(1, static_cast<std::int32_t>(compared_faces(world_, leaf).size()));
             while (surfaces_[next].leaf < index) ++next;
             for (std::int32_t face = 0; face < leaf.surface_count; ++face) {
                 const bool has_neighbours =
@@ -405,7 +411,7 @@ private:
 
     // The new class's number.
     std::int32_t add_class(std::int32_t leaf, std::int32_t face) {
-        const Surfaces surfaces = world_.leaves[leaf].object->surfaces();
+        const std::span<const Surface> surfaces = world_.faces_of(world_.leaves[leaf]);
         SurfaceClass surface_class{leaf, {}, surfaces.empty()};
         if (!surfaces.empty()) surface_class.surface = surfaces[face];
         world_.surface_classes.push_back(surface_class);

@@ -8,8 +8,9 @@ namespace lapidary {
 namespace {
 
 // The label of a cell inside of a node, where operations leave no choice: no unions among left operands.
-Label label_of_inside(const World& world, std::int32_t node) {
-    return label_inside(world, world.nodes[node], [&](std::int32_t operand) { return label_of_inside(world, operand); });
+Label label_of_inside(const World& world, std::int32_t tree) {
+    if (tree < 0) return label_of_leaf(world, ~tree);
+    return label_inside(world, world.nodes[tree], [&](std::int32_t operand) { return label_of_inside(world, operand); });
 }
 
 bool fits_lanes(const World& world, const Solid& solid) {
@@ -22,8 +23,9 @@ bool fits_lanes(const World& world, const Solid& solid) {
 
 // Lets all light through, to the last bit.
 bool is_clear(const MaterialInstance& material) {
-    const Matter& m = material.matter;
-    return material.is_uniform && m.is_transparent() && m.opacity == 0 && m.colour.r >= 1 && m.colour.g >= 1 && m.colour.b >= 1;
+    if (!material.is_uniform) return false;
+    const Matter& m = *material.matter;
+    return m.is_transparent() && m.opacity == 0 && m.colour.r >= 1 && m.colour.g >= 1 && m.colour.b >= 1;
 }
 
 bool is_clear(const World& world, const Solid& solid) {
@@ -46,13 +48,14 @@ bool may_come_first(const Solid& first, const Solid& second) {
 }
 
 void ask_for_shadows_of_hidden_solids(World& world, const Solid& transparent) {
+    const Bounds& box = world.box_of(transparent.root);
     const auto visit = [&](std::int32_t index) {
         Solid& other = world.solids[index];
-        if (other.shadow == Solid::Shadow::blocks && other.box.overlaps(transparent.box) && may_come_first(transparent, other))
+        if (other.shadow == Solid::Shadow::blocks && world.box_of(other.root).overlaps(box) && may_come_first(transparent, other))
             other.shadow = Solid::Shadow::asked;
     };
     for (std::int32_t index : world.unbounded) visit(index);
-    world.hierarchy.for_each_overlapping(transparent.box, visit);
+    world.hierarchy.for_each_overlapping(box, visit);
 }
 
 }  // namespace

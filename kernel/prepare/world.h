@@ -24,16 +24,27 @@
 
 namespace lapidary {
 
+// Where a material stands in the world.
+struct MaterialPlacement {
+    Transform transform;  // from the material's space to the world
+    double scale = 1;     // a length in the world times this is about its length in the material's space
+};
+
 // A material where it stands in the world.
 struct MaterialInstance {
-    const Material* material = nullptr;     // null: white, as objects without material are
-    const SceneMaterial* source = nullptr;  // as written; null: as `material`
-    Transform placement;                    // from the material's space to the world
-    double scale = 1;                       // a length in the world times this is about its length in the material's space
+    const Material* material = nullptr;              // null: white, as objects without material are
+    const SceneMaterial* source = nullptr;           // as written; null: as `material`
+    std::shared_ptr<const MaterialPlacement> place;  // of one that is not uniform
+    std::shared_ptr<const Matter> matter;            // of a uniform one: what it is everywhere
     bool is_uniform = false;
     bool may_be_transparent = false;
-    Matter matter;            // of a uniform material: what it is everywhere
     std::int32_t number = 0;  // for the `material` layer, from 1
+
+    const Transform& placement() const { return place ? place->transform : world_itself; }
+    double scale() const { return place ? place->scale : 1; }
+
+private:
+    static inline const Transform world_itself;
 };
 
 // One face of a leaf, where faces of the leaf are shared: the class it belongs to.
@@ -64,20 +75,19 @@ struct Leaf {
     const std::string* name = nullptr;            // its own, else of the innermost block around it that has one; null: none
 };
 
+// An operation. Trees of operations are numbers: that of a node or, where negative, ~ that of a leaf.
 struct Node {
-    Operation operation = Operation::leaf;
-    std::int32_t first = 0;  // of a leaf: its index; else the first of `count` entries in World::children
-    std::int32_t count = 0;
-    Bounds box;
+    Operation operation = Operation::union_;
     bool has_priority = false;
-    double priority = 0;
+    std::int32_t first = 0, count = 0;     // its operands, in World::children
     std::int32_t owner = -1, medium = -1;  // of a merge: its leftmost leaf and the one material of its inside
+    double priority = 0;
+    Bounds box;
 };
 
 struct Solid {
-    std::int32_t root = 0;  // in World::nodes
+    std::int32_t root = 0;  // its tree
     std::int32_t first_leaf = 0, leaf_count = 0;
-    Bounds box;
     double rounding = 0;          // of a position on a line near it, apart from what the line's own length adds
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;
@@ -131,14 +141,14 @@ class LAPIDARY_API World {
 public:
     std::vector<Leaf> leaves;
     std::vector<Node> nodes;
-    std::vector<std::int32_t> children;  // node indices
+    std::vector<std::int32_t> children;  // trees
     std::vector<Solid> solids;           // in the order of writing
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
     std::vector<DeepTree> deep_trees;
     std::vector<std::int32_t> product_leaves;
     std::vector<BoxBlock> negative_blocks;
-    std::vector<Surface> faces;  // of all leaves, each in its leaf's space
+    std::vector<Surface> faces;  // each in its leaf's space; leaves whose faces are the same there share them
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;
@@ -153,6 +163,10 @@ public:
     Features features;
     SceneNodePtr root;  // keeps objects and materials alive
 
+    const Bounds& box_of(std::int32_t tree) const { return tree < 0 ? leaves[~tree].box : nodes[tree].box; }
+    std::span<const std::int32_t> operands_of(const Node& node) const {
+        return {children.data() + node.first, static_cast<std::size_t>(node.count)};
+    }
     std::span<const Surface> faces_of(const Leaf& leaf) const {
         return {faces.data() + leaf.first_face, static_cast<std::size_t>(leaf.face_count)};
     }
@@ -168,6 +182,7 @@ inline bool has_one_span(const World& world, const Leaf& leaf) {
 }
 
 struct PrepareOptions {
+    int threads = 0;          // 0: as many as the machine has
     bool coincidence = true;  // faces on the same surface are recognised; without, to measure what that costs
 };
 

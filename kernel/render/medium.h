@@ -24,7 +24,7 @@ LAPIDARY_API Matter matter_beside(const MaterialInstance& instance, const Matter
 
 // The ray in a material's space: the same t as in the world.
 inline MaterialLine material_line(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction) {
-    return {instance.placement.to_local(origin), instance.placement.to_local(direction)};
+    return {instance.placement().to_local(origin), instance.placement().to_local(direction)};
 }
 
 // The first boundary within a material between t0 and t1. One that cannot be told from an end of the stretch, where the ray

@@ -24,7 +24,7 @@ namespace {
 
 // The world normal of a gradient in a material's space; black where the matter has no relief.
 Normal relief_in_world(const MaterialInstance& instance, const Matter& matter) {
-    return instance.placement.to_parent(Normal(matter.relief));
+    return instance.placement().to_parent(Normal(matter.relief));
 }
 
 // A face that neither bends, mirrors nor covers what is behind it.
@@ -125,7 +125,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
     ++statistics.march_steps;
     Encounter e;
     e.point = crossing_point(medium, ray.origin, ray.direction, crossing.t);
-    e.outward = normalize(medium.placement.to_parent(crossing.normal));
+    e.outward = normalize(medium.placement().to_parent(crossing.normal));
     if (e.outward == Normal()) return std::nullopt;
     e.geometric = dot(e.outward, ray.direction) > 0 ? -e.outward : e.outward;
     e.shading = e.geometric;
