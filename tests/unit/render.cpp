@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -391,4 +392,22 @@ TEST_CASE("the estimate of equal samples is exact") {
     for (int i = 0; i < 1000; ++i) estimate.add({0.1, 0.2, 0.3});
     CHECK(estimate.mean() == Colour{0.1, 0.2, 0.3});
     CHECK(estimate.spread() == 0);
+}
+
+TEST_CASE("moves that shrink as those of independent samples are remembered as the last one") {
+    double move = 0.3, remembered = remembered_moves(no_moves, move);
+    CHECK(remembered == Approx(move * move));
+    for (int doubling = 0; doubling < 10; ++doubling) {
+        move /= std::numbers::sqrt2;
+        remembered = remembered_moves(remembered, move);
+        CHECK(remembered == Approx(move * move));
+    }
+    // A colour that happens not to move is not believed to have come to rest.
+    CHECK(remembered_moves(remembered, 0) == Approx(move * move / 4));
+}
+
+TEST_CASE("what may hide between the samples of a pixel falls as their number") {
+    CHECK(error_from_around(0.2, 0.1, 16) == Approx(std::numbers::sqrt2 / 16 * 0.2));
+    CHECK(error_from_around(0.1, 0.6, 16) == Approx(std::numbers::sqrt2 / 16 * 0.3));
+    CHECK(error_from_spread(0.4, 16) == Approx(1.25 * 0.4 / 8));
 }
