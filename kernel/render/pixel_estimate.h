@@ -19,7 +19,7 @@
 // The error is what the greatest of the three says. Small errors are believed after two looks only: of the pixels that rest
 // after the first samples, some have missed what is small, and have not moved yet.
 //
-// Measured on ten scenes of different kind at errors from 0.03 to 0.001 (tests/bench/convergence): the RMSE is between 0.13
+// Measured on ten scenes of different kind at errors from 0.03 to 0.001 (tests/bench/convergence): the RMSE is between 0.12
 // and 0.55 of the error asked for, and 99.2 % of the pixels or more are within twice of it. To take the first
 // witness as it is, 1.25 times the last move for the third, and to believe first looks, needs 1.0 to 1.14 times as many samples
 // through a lens, 0.91 to 1.07 times in soft light, 0.82 to 1.0 times at edges; but it leaves up to 1.9 times the RMSE at
