@@ -491,10 +491,12 @@ void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, W
     if (wants_layers_ && pixel.taken == 0 && is_in_region(x, y))
         queue(x + 0.5, y + 0.5, {}, sample_key(x, y, 0, options_.sequence), {&pixel, nullptr, true, place});
 
+    const SampleKey first = sample_key(x, y, 0, options_.sequence);
+    const SamplePairs in_pixel(first.pixel, dimension_pair::pixel);
     for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
         if (worker.batch->size == 0 && is_stopped()) return;
-        const SampleKey key = sample_key(x, y, sample, options_.sequence);
-        const PixelFilter::Placement at = filter_.place(sample_pair(key, dimension_pair::pixel));
+        const SampleKey key{first.pixel, sample};
+        const PixelFilter::Placement at = filter_.place(in_pixel[sample]);
         queue(x + 0.5 + at.x, y + 0.5 + at.y, camera_.lens_point(key), key,
               {&pixel, at.negative ? negative : &pixel.estimate, false, place});
     }
@@ -584,16 +586,16 @@ double Passes::own_error(const Pixel& pixel) const {
 double Passes::error_around(int x, int y) const {
     const std::size_t index = index_of(x, y);
     const Colour colour = colour_of(index);
-    double greatest_spread = 0, greatest_contrast = 0;
+    double greatest_variance = 0, greatest_contrast = 0;  // the contrast squared
     const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
     for (int ny = around.y0; ny < around.y1; ++ny)
         for (int nx = around.x0; nx < around.x1; ++nx) {
             const std::size_t neighbour = index_of(nx, ny);
             if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
-            greatest_spread = std::max(greatest_spread, pixels_[neighbour].estimate.spread());
-            greatest_contrast = std::max(greatest_contrast, contrast(colour, colour_of(neighbour)));
+            greatest_variance = std::max(greatest_variance, pixels_[neighbour].estimate.variance());
+            greatest_contrast = std::max(greatest_contrast, squared_contrast(colour, colour_of(neighbour)));
         }
-    return error_from_around(greatest_spread, greatest_contrast, pixels_[index].estimate.count());
+    return error_from_around(std::sqrt(greatest_variance), std::sqrt(greatest_contrast), pixels_[index].estimate.count());
 }
 
 double Passes::change_around(int x, int y) const {

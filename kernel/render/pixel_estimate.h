@@ -51,8 +51,9 @@ public:
     std::uint32_t count() const { return count_; }
     const Colour& mean() const { return mean_; }
 
-    // Standard deviation of the samples, over the three channels alike.
-    double spread() const { return count_ > 1 ? std::sqrt(squares_ / (3.0 * (count_ - 1))) : 0; }
+    // Standard deviation of the samples, over the three channels alike, and its square.
+    double spread() const { return std::sqrt(variance()); }
+    double variance() const { return count_ > 1 ? squares_ / (3.0 * (count_ - 1)) : 0; }
 
 private:
     Colour mean_;
@@ -61,10 +62,11 @@ private:
 };
 
 // Root mean square of the difference over the channels.
-inline double contrast(const Colour& a, const Colour& b) {
+inline double squared_contrast(const Colour& a, const Colour& b) {
     const Colour d = a - b;
-    return std::sqrt((d.r * d.r + d.g * d.g + d.b * d.b) / 3);
+    return (d.r * d.r + d.g * d.g + d.b * d.b) / 3;
 }
+inline double contrast(const Colour& a, const Colour& b) { return std::sqrt(squared_contrast(a, b)); }
 
 inline double error_from_spread(double spread, std::uint32_t count) {
     const double root = std::sqrt(static_cast<double>(count));

@@ -162,15 +162,31 @@ inline SampleKey sample_key(int x, int y, std::uint32_t sample, std::uint32_t se
     return {pixel_key(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), sequence), sample};
 }
 
-inline SamplePair sample_pair(SampleKey key, std::uint32_t pair) {
-    using namespace sampling;
-    const std::uint32_t seed = hash(key.pixel, pair);
-    const std::uint32_t first = pair == dimension_pair::pixel ? 0 : pair == dimension_pair::lens ? 4 : 2;
-    const auto scrambled = [&](std::uint32_t dimension, std::uint32_t own_seed) {
-        return to_unit_interval(reverse_bits(scramble_upward(sobol_product(dimension, key.sample), own_seed)));
-    };
-    return {scrambled(first, hash(seed, 1)), scrambled(first + 1, hash(seed, 2))};
-}
+// The pairs of one purpose for all samples of a pixel: how they are scrambled is worked out once.
+class SamplePairs {
+public:
+    SamplePairs(std::uint32_t pixel, std::uint32_t pair)
+        : first_(pair == dimension_pair::pixel  ? 0
+                 : pair == dimension_pair::lens ? 4
+                                                : 2) {
+        const std::uint32_t seed = sampling::hash(pixel, pair);
+        seeds_ = {sampling::hash(seed, 1), sampling::hash(seed, 2)};
+    }
+
+    SamplePair operator[](std::uint32_t sample) const {
+        using namespace sampling;
+        const auto scrambled = [&](std::uint32_t dimension, std::uint32_t seed) {
+            return to_unit_interval(reverse_bits(scramble_upward(sobol_product(dimension, sample), seed)));
+        };
+        return {scrambled(first_, seeds_[0]), scrambled(first_ + 1, seeds_[1])};
+    }
+
+private:
+    std::uint32_t first_;  // dimension
+    std::array<std::uint32_t, 2> seeds_;
+};
+
+inline SamplePair sample_pair(SampleKey key, std::uint32_t pair) { return SamplePairs(key.pixel, pair)[key.sample]; }
 
 // A place on the unit disc.
 struct DiscPoint {
