@@ -65,6 +65,14 @@ private:
 // What shows the pictures, by keyword, and stays from one render to the next.
 using Displays = std::map<std::string, std::shared_ptr<Output>>;
 
+// All that are there for the opening.
+std::size_t count_plugins(const Registry& registry) {
+    std::size_t count = 0;
+    for (const PluginKind kind : {PluginKind::object, PluginKind::material, PluginKind::light, PluginKind::output})
+        count += registry.keywords(kind).size();
+    return count;
+}
+
 class RenderCommand {
 public:
     RenderCommand(const RenderArguments& arguments, const Words& words, Displays& displays)
@@ -87,6 +95,7 @@ public:
         messages_.finish();
         record_.stages.end();
         record_.plugins = session.registry().opened();
+        record_.plugins_passed_over = count_plugins(session.registry()) - record_.plugins.size();
         if (was_saved()) return code;
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();
         if (arguments_.log) write_log();

@@ -96,6 +96,7 @@ std::string summary(const RenderRecord& record) {
 
 std::vector<std::string> statistics(const RenderRecord& record) {
     std::vector<std::string> lines;
+    lines.push_back(fmt::format("{} plugins opened, {} passed over", record.plugins.size(), record.plugins_passed_over));
     if (record.world) {
         lines.push_back(world_line(*record.world));
         lines.push_back("features: " + record.world->features.describe());

@@ -27,6 +27,7 @@ struct RenderRecord {
     Words words;                                  // the command line
     std::vector<std::string> files;               // read
     std::vector<const Plugin*> plugins;           // opened
+    std::size_t plugins_passed_over = 0;          // that are there and were not opened
     std::shared_ptr<const Scene> scene;           // as rendered, with the command line's wishes; null where it has errors
     std::shared_ptr<const World> world;           // null where it did not come so far
     std::optional<PixelRegion> region;            // where not all was asked for

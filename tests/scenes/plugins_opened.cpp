@@ -19,12 +19,13 @@ namespace fs = std::filesystem;
 
 // The libraries that a render of the scene loads, by the part of their path behind lib/lapidary/ for our own, by file
 // name for others.
-std::set<std::string> libraries_opened(const TemporaryFolder& folder, const std::string& scene) {
+std::set<std::string> libraries_opened(const TemporaryFolder& folder, const std::string& scene,
+                                       const std::string& options = "--resolution 16x12 -o picture.bmp") {
     const fs::path file = folder.write("opened.scene", scene);
     const RunResult rendered =
         run(fmt::format("cd {0} && HOME={0} XDG_CONFIG_HOME={0}/config LD_DEBUG=files LD_DEBUG_OUTPUT={0}/loader {1} "
-                        "--resolution 16x12 -o picture.bmp {2}",
-                        quoted(folder.path()), quoted(LAPIDARY_PROGRAM), quoted(file)));
+                        "{2} {3}",
+                        quoted(folder.path()), quoted(LAPIDARY_PROGRAM), options, quoted(file)));
     INFO(rendered.output);
     CHECK(rendered.exit_code == 0);
 
@@ -52,12 +53,35 @@ std::set<std::string> plugins_of(const std::set<std::string>& libraries) {
 
 // The module, not the library of YAML: OpenImageIO brings that one along for its own use.
 constexpr const char* yaml_module = "modules/yaml_configuration.so";
+// The one through which picture files are written; OpenImageIO comes with it.
+constexpr const char* image_module = "modules/image.so";
 
 TEST_CASE("only what the scene names is opened") {
     const TemporaryFolder folder;
     const auto libraries = libraries_opened(folder, "lights { point { location(0,3,-3); } } objects { sphere { } }");
     CHECK(plugins_of(libraries) == std::set<std::string>{"lights/point.so", "objects/sphere.so", "outputs/bmp.so"});
     CHECK_FALSE(libraries.contains(yaml_module));
+}
+
+TEST_CASE("what writes picture files is opened to write one, and not where a scene is only read") {
+    const TemporaryFolder folder, another;
+    const std::string scene = "lights { ambient { } } objects { sphere { } }";
+    CHECK(libraries_opened(folder, scene).contains(image_module));
+    const auto only_read = libraries_opened(another, scene, "-d");
+    CHECK_FALSE(only_read.empty());
+    for (const std::string& library : only_read)
+        if (library == image_module || library.starts_with("libOpenImageIO")) FAIL_CHECK(library);
+}
+
+TEST_CASE("-v tells how many plugins were opened and how many were passed over") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.write("told.scene", "lights { ambient { } } objects { sphere { } }");
+    const RunResult told = run(
+        fmt::format("cd {} && {} -w -v --resolution 16x12 {}", quoted(folder.path()), quoted(LAPIDARY_PROGRAM), quoted(file)));
+    INFO(told.output);
+    std::size_t all = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(LAPIDARY_PLUGIN_FOLDER)) all += entry.path().extension() == ".so";
+    CHECK(told.output.find(fmt::format("3 plugins opened, {} passed over\n", all - 3)) != std::string::npos);
 }
 
 TEST_CASE("textures are opened when they are named") {
