@@ -39,8 +39,8 @@ public:
     // The way out of a solid that a lane starts in.
     double leave(const Solid& solid, int lane);
     // Where the inside of a solid that fits lanes begins or ends first behind `from` in every lane, the leaf whose face that
-    // is (-1: not known), and which lanes are inside just behind `from`, as far as their limits are not below 0. Slivers, and what rounding makes
-    // doubtful, are left to the single ray.
+    // is (-1: not known), and which lanes are inside just behind `from`, as far as their limits are not below 0. Slivers, and
+    // what rounding makes doubtful, are left to the single ray.
     struct Changes {
         Lanes t;
         LeafLanes leaf;
