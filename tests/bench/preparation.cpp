@@ -46,7 +46,7 @@ void print_memory(const World& world) {
     } parts[] = {{"leaves", bytes_of(world.leaves)},
                  {"nodes", bytes_of(world.nodes) + bytes_of(world.children)},
                  {"solids", bytes_of(world.solids) + bytes_of(world.clips) + bytes_of(world.product_leaves)},
-                 {"surfaces", bytes_of(world.surface_uses) + bytes_of(world.surface_classes)},
+                 {"surfaces", bytes_of(world.faces) + bytes_of(world.surface_uses) + bytes_of(world.surface_classes)},
                  {"materials", bytes_of(world.materials)},
                  {"hierarchy", bytes_of(world.hierarchy.nodes())}};
     double sum = 0;
