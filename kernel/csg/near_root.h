@@ -34,12 +34,14 @@ enum class Passing { in, out, either };
 LAPIDARY_API double near_root(const Ray& ray, const Transform& placement, std::span<const Surface> surfaces, double t,
                               double anchor, Passing passing);
 
-// The same for both ends of a span. An end at 0 of a leaf that the ray departs from is exact as it is.
+// Whether an end of a span is to be found anew. One at 0, of a leaf that the ray departs from, is exact as it is.
+inline bool is_near_end(double t, double anchor, bool departing) { return is_near_root(t, anchor) && !(departing && t == 0); }
+
+// The same for both ends of a span.
 inline void find_near_ends(Span& span, const Ray& ray, const Transform& placement, std::span<const Surface> surfaces,
                            double anchor, bool departing) {
-    const auto is_wanted = [&](double t) { return is_near_root(t, anchor) && !(departing && t == 0); };
-    if (is_wanted(span.in)) span.in = near_root(ray, placement, surfaces, span.in, anchor, Passing::in);
-    if (is_wanted(span.out)) span.out = near_root(ray, placement, surfaces, span.out, anchor, Passing::out);
+    if (is_near_end(span.in, anchor, departing)) span.in = near_root(ray, placement, surfaces, span.in, anchor, Passing::in);
+    if (is_near_end(span.out, anchor, departing)) span.out = near_root(ray, placement, surfaces, span.out, anchor, Passing::out);
 }
 
 }  // namespace lapidary

@@ -128,6 +128,33 @@ bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
     return near > 0;
 }
 
+// Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P).
+void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane, double side_of_shift,
+                     Lanes& __restrict in, Lanes& __restrict out) {
+    const LineBatch& lines = placed.lines;
+    const double a = plane.a, b = plane.b, c = plane.c, d = plane.d;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double slope = a * lines.direction_x[i] + b * lines.direction_y[i] + c * lines.direction_z[i];
+        const double distance = lines.closest_x[i] * a + lines.closest_y[i] * b + lines.closest_z[i] * c - d;
+        const double t = placed.anchor[i] - distance / slope;
+        const double side = distance != 0 ? distance : side_of_shift;
+        const double parallel_in = side < 0 ? -infinity : infinity;
+        const double crossing_in = slope > 0 ? -infinity : t, crossing_out = slope > 0 ? t : infinity;
+        const bool parallel = either(slope == 0, !(std::fabs(t) < infinity));
+        in[i] = parallel ? parallel_in : crossing_in;
+        out[i] = parallel ? -parallel_in : crossing_out;
+    }
+}
+
+// Half-lines become those on the other side of a plane, with the same t; everything becomes nothing.
+void turn_over(Lanes& __restrict in, Lanes& __restrict out) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double old_in = in[i], old_out = out[i], end = old_out < infinity ? infinity : -infinity;
+        in[i] = old_in > -infinity ? -infinity : old_out;
+        out[i] = old_in > -infinity ? old_in : end;
+    }
+}
+
 }  // namespace
 
 PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
@@ -143,12 +170,16 @@ void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
     placed_leaf_ = -1;
     find_origins(rays, origins_);
-    first_departed_ = 0, last_departed_ = -1;
+    first_departed_ = first_departed_class_ = 0;
+    last_departed_ = last_departed_class_ = -1;
     if (!rays.departs) return;
     first_departed_ = last_departed_ = rays.departure[0].leaf;
+    first_departed_class_ = last_departed_class_ = rays.departure[0].surface_class;
     for (const Departure& departure : rays.departure) {
         first_departed_ = std::min(first_departed_, departure.leaf);
         last_departed_ = std::max(last_departed_, departure.leaf);
+        first_departed_class_ = std::min(first_departed_class_, departure.surface_class);
+        last_departed_class_ = std::max(last_departed_class_, departure.surface_class);
     }
 }
 
@@ -335,7 +366,10 @@ void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<con
     for (int i = 0; i < rays_->count; ++i) {
         if (!(in[i] < out[i])) continue;
         Span span{in[i], out[i]};
-        find_near_ends(span, rays_->ray(i), leaf.placement, faces, placed_.anchor[i], departs(rays_->departure[i]));
+        const double anchor = placed_.anchor[i];
+        const bool departing = departs(rays_->departure[i]);
+        if (!is_near_end(span.in, anchor, departing) && !is_near_end(span.out, anchor, departing)) continue;
+        find_near_ends(span, rays_->ray(i), leaf.placement, faces, anchor, departing);
         in[i] = span.in, out[i] = span.out;
     }
 }
@@ -378,7 +412,8 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
         tube_spans(frame, surface_class.surface.a, in, out);
     else
         own_spans(frame, in, out);
-    if (rays_->departs) remove_departures(in, out, -1, use.surface_class);
+    if (first_departed_class_ <= use.surface_class && use.surface_class <= last_departed_class_)
+        remove_departures(in, out, -1, use.surface_class);
     if (!surface_class.whole && has_near_ends(in, out, placed_.anchor))
         find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
 }
@@ -395,20 +430,10 @@ void PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in,
 
 void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
-    const LineBatch& lines = placed_.lines;
     const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
     const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
-    for (int i = 0; i < width; ++i) {
-        const double slope = plane.a * lines.direction_x[i] + plane.b * lines.direction_y[i] + plane.c * lines.direction_z[i];
-        const double distance =
-            lines.closest_x[i] * plane.a + lines.closest_y[i] * plane.b + lines.closest_z[i] * plane.c - plane.d;
-        const double t = placed_.anchor[i] - distance / slope;
-        const bool parallel = slope == 0 || !(std::fabs(t) < infinity);
-        const bool holds = distance != 0 ? distance < 0 : side_of_shift < 0;
-        in[i] = parallel ? (holds ? -infinity : infinity) : (slope > 0 ? -infinity : t);
-        out[i] = parallel ? (holds ? infinity : -infinity) : (slope > 0 ? t : infinity);
-    }
-    if (rays_->departs)
+    find_plane_ends(placed_, plane, side_of_shift, in, out);
+    if (first_departed_class_ <= use.surface_class && use.surface_class <= last_departed_class_)
         for (int i = 0; i < width; ++i) {
             const Departure& departure = rays_->departure[i];
             if (!departs_from_class(departure)) continue;
@@ -416,14 +441,7 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
             out[i] = departure.inward ? infinity : 0;
         }
     if (has_near_ends(in, out, placed_.anchor)) find_near_ends_of_lanes(frame, {&plane, 1}, departs_from_class, in, out);
-    if (use.flipped)
-        for (int i = 0; i < width; ++i) {
-            // The other side of the plane, with the same t.
-            const bool everywhere = in[i] == -infinity && out[i] == infinity, nowhere = in[i] > out[i];
-            const double old_in = in[i], old_out = out[i];
-            in[i] = everywhere ? infinity : nowhere || old_in > -infinity ? -infinity : old_out;
-            out[i] = everywhere ? -infinity : nowhere ? infinity : old_in > -infinity ? old_in : infinity;
-        }
+    if (use.flipped) turn_over(in, out);
 }
 
 void PacketThroughSolid::remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const {

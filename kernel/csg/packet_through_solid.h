@@ -111,7 +111,8 @@ private:
     LineThroughSolid line_;
 
     const RayPacket* rays_ = nullptr;
-    std::int32_t first_departed_ = 0, last_departed_ = -1;  // all leaves that lanes depart from lie between
+    std::int32_t first_departed_ = 0, last_departed_ = -1;              // all leaves that lanes depart from lie between
+    std::int32_t first_departed_class_ = 0, last_departed_class_ = -1;  // and all classes of surfaces
     Origins origins_;
 
     std::int32_t placed_leaf_ = -1;
