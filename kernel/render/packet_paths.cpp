@@ -13,6 +13,15 @@ namespace lapidary {
 
 // ---- waves -----------------------------------------------------------------------------------------------------------
 
+PacketPaths::Wave::Wave(bool through_matter) {
+    const std::size_t size = through_matter ? longest_wave : wave_size;
+    rays.resize(size / width);
+    paths.resize(size), colours.resize(size);
+    if (!through_matter) return;
+    stretches.resize(size / width), gathered.resize(size), passed.resize(size), lit.resize(size);
+    changes.resize(portion_size / width);
+}
+
 void PacketPaths::Wave::clear() {
     count = 0;
     for (RayPacket& packet : rays) packet.clear();
@@ -32,7 +41,7 @@ PacketPaths::PacketPaths(Tracer::Implementation& tracer)
     : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics) {}
 
 void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
-    if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
+    if (waves_.empty()) waves_.push_back(std::make_unique<Wave>(world_.features.transparency));
     Wave& wave = *waves_[0];
     for (std::size_t begin = 0; begin < samples.size() && !tracer_.is_stopped(); begin += wave_size) {
         const auto part = samples.subspan(begin, std::min<std::size_t>(wave_size, samples.size() - begin));
@@ -41,10 +50,12 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
         std::copy(packets.begin(), packets.end(), wave.rays.begin());
         std::fill_n(wave.paths.begin(), wave.count, Path{});
         const auto first = all_layers ? part : std::span<RaySample>{};
-        if (world_.features.transparency)
+        if (world_.features.transparency) {
+            wave.begin_camera_rays();
             trace_wave_through_matter(0, first);
-        else
+        } else {
             trace_wave(0, first);
+        }
         for (std::size_t i = 0; i < part.size(); ++i) part[i].colour = wave.colours[i];
     }
 }
@@ -533,7 +544,7 @@ void PacketPaths::light_face(const Gains& gains, int ray, const Colour& passed) 
 // Local colours, and the mirrored rays of the next wave.
 void PacketPaths::finish_colours(std::size_t depth) {
     Wave& wave = *waves_[depth];
-    if (world_.features.reflection && waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
+    if (world_.features.reflection && waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(false));
     if (waves_.size() > depth + 1) waves_[depth + 1]->clear();
     for (std::size_t p = 0; p < face_packets_; ++p) {
         FacePacket& faces = *faces_[p];

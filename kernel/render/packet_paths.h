@@ -43,6 +43,8 @@ private:
 
     // Through transparent matter a ray may send two: longer waves are traced in portions.
     static constexpr int portion_size = 128, longest_wave = 2 * portion_size;
+    // So many waves one after the other; then each ray goes on by itself.
+    static constexpr std::size_t most_waves = 64;
 
     // What a ray of the next wave, or the background where the path ends, adds to a ray of this one.
     struct Contribution {
@@ -53,19 +55,24 @@ private:
 
     // Rays on their way, and what each brings back.
     struct Wave {
+        explicit Wave(bool through_matter);
+
         int count = 0;
-        std::array<RayPacket, longest_wave / width> rays;
+        std::vector<RayPacket> rays;
         std::array<BoundaryPacket, wave_size / width> boundaries;
-        std::array<Path, longest_wave> paths;
-        std::array<Colour, longest_wave> colours;
+        std::vector<Path> paths;
+        std::vector<Colour> colours;
         std::array<std::int32_t, wave_size> sender;  // of a mirrored ray: which ray of the wave before
         std::array<double, wave_size> reflection;    // of the face that it comes from
 
-        // Where matter is transparent: of the portion under way, what changes first, what is left of light on the way there, and
-        // what comes back, mirrored before refracted.
+        // Where matter is transparent: of each ray where it begins, what light from faces that it has passed is gathered, and
+        // what is left of light on the way; of the portion under way what changes first, and what comes back, mirrored before
+        // refracted.
+        std::vector<PacketThroughWorld::Stretch> stretches;
+        std::vector<Colour> gathered, passed;
+        std::vector<std::uint32_t> lit;  // faces that it has passed
         int begin = 0, end = 0;
-        std::array<ChangePacket, portion_size / width> changes;
-        std::array<Colour, longest_wave> passed;
+        std::vector<ChangePacket> changes;
         std::vector<Contribution> contributions;
 
         void clear();
@@ -75,6 +82,11 @@ private:
         double t(int i) const { return boundaries[i / width].t[i % width]; }
         std::int32_t leaf(int i) const { return boundaries[i / width].leaf[i % width]; }
         std::int32_t solid(int i) const { return boundaries[i / width].solid[i % width]; }
+        void begin_camera_rays();
+        void add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
+                                const Colour& passed_before, std::uint32_t lit_before);
+        double from(int i) const { return stretches[static_cast<std::size_t>(i / width)].from[i % width]; }
+        const Departure& departure(int i) const { return rays[static_cast<std::size_t>(i / width)].departure[i % width]; }
         const ChangePacket& change(int i) const { return changes[(i - begin) / width]; }
         bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
@@ -96,7 +108,7 @@ private:
         bool is_full() const { return count == width; }
         // Of transparent matter, bit i for lane i: which faces are of it, which are sheets, and which are seen from inside.
         unsigned transparent, sheets, leaving;
-        Lanes opacity, index_before, index_behind;
+        Lanes t, opacity, index_before, index_behind;
         std::array<std::int32_t, width> cell_behind;
 
         void add(const Wave& wave, int ray, const Encounter& encounter);
@@ -156,6 +168,7 @@ private:
     void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
     void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
+    void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
     static void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     static PointBatch local_points(const PlacedLines& placed, const SpanBatch& spans, const Lanes& t);
     template <bool identity>
@@ -178,8 +191,8 @@ private:
     void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
     void trace_portion(std::size_t depth, std::span<RaySample> first);
     void find_changes(Wave& wave);
-    void collect_faces_at_changes(Wave& wave, std::span<RaySample> first);
-    enum class Meeting : std::uint8_t { nothing, plain_face, single_face };
+    void collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first);
+    enum class Meeting : std::uint8_t { nothing, no_face, plain_face, single_face };
     Meeting go_to_change(Wave& wave, int ray, std::span<RaySample> first);
     bool march(Wave& wave, int ray, const MaterialInstance& medium, std::span<RaySample> first);
     void trace_alone(Wave& wave, int ray, std::span<RaySample> first);
@@ -193,9 +206,9 @@ private:
     void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     double index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const;
     void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
-    void finish_colours_at_changes(std::size_t depth);
     void divide_light(Wave& wave, Wave& next, const FacePacket& faces);
     static std::optional<Vector> refracted_direction(const FacePacket& faces, int lane);
+    void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);
     void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
               Tracer::Implementation::Turn turn);
     void dim_later(int shadow);

@@ -18,9 +18,13 @@
 namespace lapidary {
 
 void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySample> first) {
-    while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
+    while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(true));
     Wave& wave = *waves_[depth];
     wave.fill_up();
+    if (depth >= most_waves) {
+        for (int i = 0; i < wave.count && !tracer_.is_stopped(); ++i) trace_alone(wave, i, first);
+        return;
+    }
     for (wave.begin = 0; wave.begin < wave.count && !tracer_.is_stopped(); wave.begin += portion_size) {
         wave.end = std::min(wave.begin + portion_size, wave.count);
         trace_portion(depth, first);
@@ -31,14 +35,16 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
     find_changes(wave);
     face_packets_ = 0;
-    collect_faces_at_changes(wave, first);
+    next.clear();
+    wave.contributions.clear();
+    collect_faces_at_changes(wave, next, first);
     light_faces();
-    finish_colours_at_changes(depth);
+    for (std::size_t p = 0; p < face_packets_; ++p) divide_light(wave, next, *faces_[p]);
 
     if (next.count > 0 && !tracer_.is_stopped()) trace_wave_through_matter(depth + 1, {});
     for (const Contribution& c : wave.contributions)
         wave.colours[c.to] += c.weight * (c.from < 0 ? world_.background : next.colours[c.from]);
-    for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = Colour::black() + wave.passed[i] * wave.colours[i];
+    for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = wave.gathered[i] + wave.passed[i] * wave.colours[i];
 }
 
 void PacketPaths::find_changes(Wave& wave) {
@@ -46,7 +52,8 @@ void PacketPaths::find_changes(Wave& wave) {
     const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
     for (std::size_t p = 0; p < packets; p += PacketThroughWorld::most_packets) {
         const std::size_t count = std::min(PacketThroughWorld::most_packets, packets - p);
-        packet_.first_changes(std::span(wave.rays).subspan(begin + p, count), std::span(wave.changes).subspan(p, count));
+        packet_.first_changes(std::span(wave.rays).subspan(begin + p, count), std::span(wave.stretches).subspan(begin + p, count),
+                              std::span(wave.changes).subspan(p, count));
     }
 }
 
@@ -65,11 +72,12 @@ Boundary PacketPaths::boundary_of(const ChangePacket& changes, int lane) const {
     return boundary;
 }
 
-void PacketPaths::collect_faces_at_changes(Wave& wave, std::span<RaySample> first) {
+void PacketPaths::collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first) {
     single_faces_ = nullptr;
     plain_.clear();
     for (int i = wave.begin; i < wave.end; ++i) {
         const Meeting meeting = go_to_change(wave, i, first);
+        if (meeting == Meeting::no_face) go_on(wave, next, i, wave.change(i).first.t[i % width], first);
         if (meeting == Meeting::single_face) meet_single_face_at_change(wave, i, first);
         if (meeting == Meeting::plain_face) plain_.push_back(sorting_key(wave, i));
     }
@@ -106,25 +114,27 @@ PacketPaths::Meeting PacketPaths::go_to_change(Wave& wave, int ray, std::span<Ra
     const int lane = ray % width;
     const double t = changes.first.t[lane];
     Colour& passed = wave.passed[ray];
-    passed = Colour::white();
     wave.colours[ray] = world_.background;
     if ((changes.unclear >> lane & 1) != 0) {
         trace_alone(wave, ray, first);
         return Meeting::nothing;
     }
+    const double from = wave.from(ray);
+    if (from == 0) tracer_.check_first_cell(wave.departure(ray), label_of(changes.before[lane]).owner);
     if (const std::int32_t owner = changes.before[lane]; owner >= 0) {
         const MaterialInstance& medium = world_.materials[world_.solids[owner].medium];
         if (!medium.is_uniform && medium.may_be_transparent) {
             if (march(wave, ray, medium, first)) return Meeting::nothing;
         } else if (medium.may_be_transparent) {
-            passed = passed * transmittance(medium, {}, 0, t);
+            passed = passed * transmittance(medium, {}, from, t);
         }
     }
     if (is_black(passed) || t == infinity) return Meeting::nothing;
     if (is_plain_at_change(wave, ray)) return Meeting::plain_face;
-    // A boundary without a leaf is one that rounding undid, or that several leaves share; one without a change is none.
     const bool is_sheet = changes.first.solid[lane] < 0;
-    if (changes.first.leaf[lane] >= 0 && (is_sheet || changes.before[lane] != changes.after[lane])) return Meeting::single_face;
+    if (!is_sheet && changes.before[lane] == changes.after[lane]) return Meeting::no_face;
+    if (changes.first.leaf[lane] >= 0) return Meeting::single_face;
+    // A boundary without a leaf is one that rounding undid, or that several leaves share.
     trace_alone(wave, ray, first);
     return Meeting::nothing;
 }
@@ -134,11 +144,11 @@ bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, 
     const Ray ray = wave.ray(number);
     const MaterialLine line = material_line(medium, ray.origin, ray.direction);
     const ChangePacket& changes = wave.change(number);
-    const double t = changes.first.t[number % width];
+    const double from = wave.from(number), t = changes.first.t[number % width];
     Crossing crossing;
-    if (medium.material->has_boundaries()) crossing = next_crossing(*medium.material, line, 0, t);
+    if (medium.material->has_boundaries()) crossing = next_crossing(*medium.material, line, from, t);
     const double to = std::min(crossing.t, t);
-    wave.passed[number] = wave.passed[number] * transmittance(medium, line, 0, to);
+    wave.passed[number] = wave.passed[number] * transmittance(medium, line, from, to);
     if (is_black(wave.passed[number])) return true;
     if (!(crossing.t < t)) return false;
 
@@ -148,15 +158,42 @@ bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, 
         return true;
     }
     encounter->cell_before = encounter->cell_behind = world_.solids[changes.before[number % width]].owner;
-    add_single_face(wave, number, *encounter);
+    add_single_face_at_change(wave, number, crossing.t, *encounter);
     return true;
 }
 
 // By the single path, all of it.
 void PacketPaths::trace_alone(Wave& wave, int ray, std::span<RaySample> first) {
-    wave.passed[ray] = Colour::white();
+    wave.gathered[ray] = Colour::black(), wave.passed[ray] = Colour::white();
     wave.colours[ray] =
         tracer_.radiance(wave.ray(ray), wave.paths[ray], first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)]);
+}
+
+// Straight on from a place that shows no face, or one that lets all light pass, as a ray of the next wave. The layers of a camera
+// ray that has not met anything yet are left to the single path.
+void PacketPaths::go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first) {
+    if (!first.empty() && first[static_cast<std::size_t>(ray)].object == 0) {
+        trace_alone(wave, ray, first);
+        return;
+    }
+    wave.contributions.push_back({ray, next.count, 1});
+    next.add_through_matter(wave.ray(ray), wave.paths[ray], from, wave.gathered[ray], wave.passed[ray], wave.lit[ray]);
+    wave.colours[ray] = wave.gathered[ray] = Colour::black(), wave.passed[ray] = Colour::white();
+}
+
+void PacketPaths::Wave::begin_camera_rays() {
+    for (PacketThroughWorld::Stretch& stretch : stretches) stretch.from.v.fill(0), stretch.limit.v.fill(infinity);
+    std::fill_n(gathered.begin(), count, Colour::black());
+    std::fill_n(passed.begin(), count, Colour::white());
+    std::fill_n(lit.begin(), count, 0);
+}
+
+void PacketPaths::Wave::add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
+                                           const Colour& passed_before, std::uint32_t lit_before) {
+    PacketThroughWorld::Stretch& stretch = stretches[static_cast<std::size_t>(count / width)];
+    stretch.from[count % width] = from, stretch.limit[count % width] = infinity;
+    gathered[count] = gathered_before, passed[count] = passed_before, lit[count] = lit_before;
+    add(ray, path);
 }
 
 // Of a face with a leaf.
@@ -198,6 +235,8 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         faces.cell_behind[number] = label_of(changes.after[lane]).owner;
         if (changes.after[lane] < 0) faces.leaving |= 1U << number;
         add_plain_face(wave, ray, faces, rays, t);
+        faces.light_samples[number] += tracer_.extended_lights * wave.lit[ray];
+        faces.t[number] = t[number];
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
@@ -236,6 +275,13 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
     faces.shading = faces.geometric;
 }
 
+void PacketPaths::add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter) {
+    add_single_face(wave, ray, encounter);
+    const int lane = single_faces_->count - 1;
+    single_faces_->light_samples[lane] += tracer_.extended_lights * wave.lit[ray];
+    single_faces_->t[lane] = t;
+}
+
 void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<RaySample> first) {
     const Ray ray = wave.ray(number);
     tracer_.ray_through_world.start(ray);
@@ -243,7 +289,7 @@ void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<R
     const std::optional<Encounter> encounter =
         tracer_.encounter_face(ray, boundary_of(wave.change(number), number % width), wave.paths[number].travelled, sample);
     if (encounter)
-        add_single_face(wave, number, *encounter);
+        add_single_face_at_change(wave, number, wave.change(number).first.t[number % width], *encounter);
     else
         trace_alone(wave, number, first);
 }
@@ -356,14 +402,7 @@ bool PacketPaths::dim(int shadow, const ChangePacket& changes, double from, Colo
 
 // ---- colours ---------------------------------------------------------------------------------------------------------
 
-// Tracer::Implementation::shade for all faces, without what comes back along the rays that are sent.
-void PacketPaths::finish_colours_at_changes(std::size_t depth) {
-    Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
-    next.clear();
-    wave.contributions.clear();
-    for (std::size_t p = 0; p < face_packets_; ++p) divide_light(wave, next, *faces_[p]);
-}
-
+// Tracer::Implementation::shade for all faces of a packet, without what comes back along the rays that are sent.
 // All mirrored rays of a packet before the refracted ones: so these stay together.
 void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces) {
     using Turn = Tracer::Implementation::Turn;
@@ -378,7 +417,9 @@ void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces) 
         if (!faces.is_transparent(i)) {
             wave.colours[ray] = (1 - reflection) * local;
         } else if (faces.index_before[i] == faces.index_behind[i] && opacity == 0 && reflection == 0) {
-            trace_alone(wave, ray, {});
+            wave.gathered[ray] += wave.passed[ray] * highlight;
+            ++wave.lit[ray];
+            go_on(wave, next, ray, faces.t[i], {});
             continue;
         } else {
             const double fresnel =
@@ -422,13 +463,14 @@ void PacketPaths::send(Wave& wave, Wave& next, const FacePacket& faces, int lane
     const int ray = faces.ray[lane];
     const Path& path = wave.paths[ray];
     const double weight_here = path.weight * largest(wave.passed[ray]);
-    const Path onward{weight_here * weight, path.depth + 1, faces.travelled[lane], 2 * path.branch + refracted, path.faces + 1};
+    const Path onward{weight_here * weight, path.depth + 1, faces.travelled[lane], 2 * path.branch + refracted,
+                      path.faces + wave.lit[ray] + 1};
     if (onward.ends(tracer_.settings)) {
         wave.contributions.push_back({ray, -1, weight});
         return;
     }
     wave.contributions.push_back({ray, next.count, weight});
-    next.add(faces.depart(lane, direction), onward);
+    next.add_through_matter(faces.depart(lane, direction), onward, 0, Colour::black(), Colour::white(), 0);
 }
 
 }  // namespace lapidary

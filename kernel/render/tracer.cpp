@@ -151,9 +151,9 @@ Ray Tracer::Implementation::depart(const Ray& from, const Encounter& e, const Ve
     return ray;
 }
 
-void Tracer::Implementation::check_first_cell(const Ray& ray, const Label& label) {
-    const std::int32_t expected = ray.departure.cell;
-    if (expected != Departure::unknown_cell && expected != label.owner) ++statistics.first_cell_disagreements;
+void Tracer::Implementation::check_first_cell(const Departure& departure, std::int32_t owner) {
+    const std::int32_t expected = departure.cell;
+    if (expected != Departure::unknown_cell && expected != owner) ++statistics.first_cell_disagreements;
 }
 
 // What a medium lets through of a straight ray between two of its places. Of textured matter, piece by piece: each may be
@@ -197,7 +197,7 @@ Colour Tracer::Implementation::light_through(const Ray& shadow, double distance)
 
     Colour passed = Colour::white();
     Label label = through.label(0, Side::after);
-    check_first_cell(shadow, label);
+    check_first_cell(shadow.departure, label.owner);
     for (double from = 0; !is_black(passed) && !is_stopped();) {
         const Boundary boundary = through.next(from, label);
         if (!label.is_empty())
@@ -304,7 +304,7 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
     const bool transparency = world.features.transparency;
     ray_through_world.start(ray);
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
-    if (transparency) check_first_cell(ray, label);
+    if (transparency) check_first_cell(ray.departure, label.owner);
     Colour gathered, passed = Colour::white();
     Path here = path;
     for (double from = 0; !is_stopped();) {

@@ -118,7 +118,7 @@ struct Tracer::Implementation {
     Colour medium_lets_through(const MaterialInstance& medium, const Ray& ray, double from, double to) const;
     double face_lets_through(const Boundary& boundary, const Ray& ray) const;
     Colour light_through(const Ray& shadow, double distance);
-    void check_first_cell(const Ray& ray, const Label& label);
+    void check_first_cell(const Departure& departure, std::int32_t owner);
     Ray depart(const Ray& from, const Encounter& encounter, const Vector& direction) const;
 };
 

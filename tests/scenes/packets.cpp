@@ -155,7 +155,7 @@ TEST_CASE("Packets give the bits of single rays: textured glass under lights wit
     CHECK(differences(R"(
         camera { location(0, 1, -5); look_at(0, 0, 0); rays(1); }
         background(0.3, 0.4, 0.6);
-        render { depth(5); }
+        render { depth(3); }
         lights { ambient { } point { location(-3, 4, -4); radius(0.5); intensity(30); } direct { direction(1, -1, 1); angle(5deg); } }
         objects {
             sphere { material { checkers { solid { refraction(1.5); } solid { refraction(1.2); colour(0.9, 0.6, 0.6); }
@@ -179,4 +179,22 @@ TEST_CASE("Packets give the bits of single rays: a camera in glass, in a sea aro
                   sphere { radius(0.5); colour(0, 1, 0); priority(1); transform { translate(0.8, 0.3, 0); } }
                   sphere { radius(0.4); material { solid { refraction(1.6); } } priority(2); transform { translate(-0.8, 0.2, 0); } } })") ==
           0);
+}
+
+TEST_CASE("Packets give the bits of single rays: faces that let light pass, under a light with extent") {
+    CHECK(differences(R"(
+        camera { location(0, 1, -5); look_at(0, 0, 0); rays(1); }
+        background(0.3, 0.4, 0.6);
+        render { depth(4); }
+        lights { ambient { } point { location(-3, 4, -4); radius(0.5); intensity(30); } direct { direction(1, -1, 1); } }
+        objects {
+            sphere { material { solid { refraction(1.5); colour(0.9, 0.6, 0.6); } } }
+            sphere { material { solid { refraction(1.5); colour(0.9, 0.6, 0.6); } } transform { translate(0.7, 0.2, -0.3); } }
+            cube { material { solid { refraction(1); colour(0.2, 0.4, 0.9); } } transform { scale(0.5); translate(-1.7, 0, 0); } }
+            sphere { radius(0.5); material { solid { refraction(1); colour(0.5, 0.9, 0.9); } } transform { translate(-1.2, 0, -0.7); } }
+            sphere { radius(0.3); material { checkers { solid { refraction(1.5); } solid { refraction(1.5); colour(0.9, 0.9, 0.2); }
+                                             transform { scale(0.1); } } } priority(1); transform { translate(0.3, 0, -0.5); } }
+            sphere { radius(0.4); colour(0.9, 0.1, 0.1); transform { translate(-1.2, 0.2, 1); } }
+            halfspace { material { checkers { solid { reflection(0.5); } solid { colour(0, 0, 0); } } }
+                        transform { translate(0, -1, 0); } } })") == 0);
 }
