@@ -13,6 +13,7 @@
 #include "kernel/registry/registry.h"
 #include "kernel/render/render.h"
 #include "kernel/scene/build.h"
+#include "kernel/scene/print.h"
 #include "loaders/scene/load.h"
 #include "support/catch.h"
 
@@ -45,6 +46,17 @@ std::unique_ptr<ReadyScene> make_ready(const fs::path& file, int width, int heig
     ready->scene = *scene;
     ready->scene.output.width = width;
     ready->scene.output.height = height;
+    ready->world = prepare_world(ready->scene, ready->messages);
+    return ready;
+}
+
+// The same from what the log holds of it.
+std::unique_ptr<ReadyScene> make_ready_again(const ReadyScene& other) {
+    auto ready = std::make_unique<ReadyScene>();
+    const Document document = load_scene_text("log", print_scene(other.scene), {}, ready->messages);
+    const auto scene = build_scene(document, *ready->registry, other.scene.title, ready->messages);
+    if (!scene) return ready;
+    ready->scene = *scene;
     ready->world = prepare_world(ready->scene, ready->messages);
     return ready;
 }
@@ -95,6 +107,21 @@ TEST_CASE("the benchmark's scenes build without a message") {
         CHECK(first_message(ready->messages) == "");
         CHECK(ready->world);
     }
+}
+
+TEST_CASE("every scene as it stands in the log renders to the same picture") {
+    RenderOptions options;
+    options.samples = 2;
+    for (const char* folder : {"scenes", "tests/bench"})
+        for (const fs::path& file : scenes_in(folder)) {
+            INFO(file);
+            const auto ready = make_ready(file, 32, 24);
+            REQUIRE(ready->world);
+            const auto again = make_ready_again(*ready);
+            CHECK(first_message(again->messages) == "");
+            REQUIRE(again->world);
+            CHECK(same_bits(*rendered(*ready, options), *rendered(*again, options)));
+        }
 }
 
 TEST_CASE("pictures of shown scenes do not depend on the number of threads") {
