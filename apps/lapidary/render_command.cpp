@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "apps/lapidary/command_line.h"
@@ -62,8 +63,11 @@ private:
     std::thread thread_;
 };
 
-// What shows the pictures, by keyword, and stays from one render to the next.
-using Displays = std::map<std::string, std::shared_ptr<Output>>;
+// What stays from one render to the next.
+struct Kept {
+    std::map<std::string, std::shared_ptr<Output>> displays;  // what shows the pictures, by keyword
+    std::set<std::string> files;                              // that the scene is made from, as far as is known
+};
 
 // All that are there for the opening.
 std::size_t count_plugins(const Registry& registry) {
@@ -75,10 +79,8 @@ std::size_t count_plugins(const Registry& registry) {
 
 class RenderCommand {
 public:
-    RenderCommand(const RenderArguments& arguments, const Words& words, Displays& displays)
-        : arguments_(arguments),
-          displays_(displays),
-          console_({!arguments.no_warnings, arguments.verbose || arguments.parse_only}) {
+    RenderCommand(const RenderArguments& arguments, const Words& words, Kept& kept)
+        : arguments_(arguments), kept_(kept), console_({!arguments.no_warnings, arguments.verbose || arguments.parse_only}) {
         console_.listen_to(messages_);
         record_.words = words;
     }
@@ -86,16 +88,18 @@ public:
     ExitCode run() {
         record_.stages.begin("load");
         Session session(arguments_.scene, messages_);
-        if (arguments_.watch) saved_.emplace().add(arguments_.scene.file);  // before it is read
+        // Before they are read.
+        kept_.files.insert(arguments_.scene.file.string());
+        if (arguments_.watch) watch(kept_.files);
         session.load();
         record_.files = session.files();
-        if (saved_)
-            for (const std::string& file : record_.files) saved_->add(file);
+        if (arguments_.watch) watch(record_.files);
         const ExitCode code = carry_out(session);
         messages_.finish();
         record_.stages.end();
         record_.plugins = session.registry().opened();
         record_.plugins_passed_over = count_plugins(session.registry()) - record_.plugins.size();
+        keep_files(code);
         if (was_saved()) return code;
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();
         if (arguments_.log) write_log();
@@ -110,19 +114,31 @@ public:
         console_.say("waiting until " + arguments_.scene.file.string() + " is saved");
         const auto is_closed = [](const auto& display) { return display.second->wants_to_stop(); };
         while (!was_saved()) {
-            if (Interruption::signalled() || std::ranges::any_of(displays_, is_closed)) return false;
+            if (Interruption::signalled() || std::ranges::any_of(kept_.displays, is_closed)) return false;
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         return true;
     }
 
 private:
+    template <class Files>
+    void watch(const Files& files) {
+        if (!saved_) saved_.emplace();
+        for (const std::string& file : files) saved_->add(file);
+    }
     bool was_saved() { return saved_ && saved_->changed(); }
+
+    // A scene with errors may be one whose included file is missing for a moment.
+    void keep_files(ExitCode code) {
+        if (code != ExitCode::scene) kept_.files.clear();
+        kept_.files.insert(record_.files.begin(), record_.files.end());
+    }
 
     // A window that is open shows the next picture, too.
     void keep_displays() {
         for (PictureFile& picture : pictures_)
-            if (picture.path.empty()) picture.output = displays_.emplace(picture.plugin->keyword(), picture.output).first->second;
+            if (picture.path.empty())
+                picture.output = kept_.displays.emplace(picture.plugin->keyword(), picture.output).first->second;
     }
 
     ExitCode carry_out(Session& session) {
@@ -300,7 +316,7 @@ private:
     }
 
     const RenderArguments& arguments_;
-    Displays& displays_;
+    Kept& kept_;
     Messages messages_;
     Console console_;
     std::vector<PictureFile> pictures_;
@@ -310,9 +326,9 @@ private:
 
 // Renders whenever the scene is saved, until the user has seen enough.
 ExitCode render_repeatedly(const RenderArguments& arguments, const Words& words) {
-    Displays displays;
+    Kept kept;
     for (;;) {
-        RenderCommand command(arguments, words, displays);
+        RenderCommand command(arguments, words, kept);
         const ExitCode code = command.run();
         if (!command.wait_until_saved()) return code;
         Interruption::withdraw();
@@ -325,8 +341,8 @@ ExitCode render_command(const Words& words) {
     const auto arguments = parse_render(words);
     if (!arguments) return ExitCode::success;
     if (arguments->watch) return render_repeatedly(*arguments, words);
-    Displays displays;
-    return RenderCommand(*arguments, words, displays).run();
+    Kept kept;
+    return RenderCommand(*arguments, words, kept).run();
 }
 
 }  // namespace lapidary

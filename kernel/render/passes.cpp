@@ -236,6 +236,7 @@ private:
     std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
     bool wants_layers_ = false;
 
+    bool is_previewing_ = false;  // the first coarse picture is being made
     std::atomic<bool> has_begun_{false};
     std::atomic<std::uint64_t> taken_samples_{0};
     std::atomic<double> processor_seconds_{0};
@@ -367,7 +368,7 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
             const double begin = processor_time();
-            if (options_.on_begin && !has_begun_.exchange(true)) options_.on_begin();
+            if (options_.on_begin && !is_previewing_ && !has_begun_.exchange(true)) options_.on_begin();
             for (std::size_t i = range.begin(); i != range.end() && !is_stopped(); ++i) body(tiles[i]);
             processor_seconds_ += processor_time() - begin;
         },
@@ -527,8 +528,10 @@ void Passes::flush(Worker& worker) {
 // ---- preview ---------------------------------------------------------------------------------------------------------
 
 void Passes::preview() {
+    is_previewing_ = true;
     for (const int block : preview_blocks) {
         for_each_tile(region_, [&](const PixelRegion& tile) { preview_tile(tile, block, workers_.local()); });
+        is_previewing_ = false;
         if (!first_view_ && !is_stopped()) first_view_ = elapsed().count();
     }
 }

@@ -30,7 +30,8 @@ struct RenderOptions {
     const std::atomic<bool>* cancel = nullptr;             // set from anywhere; noticed within 50 ms
     bool one_by_one = false;                               // no packets of rays: what these are compared with
     bool preview = false;  // begin with a coarse picture of the whole region, for somebody who looks on
-    // Called once, by the first thread that traces rays: all that a render sets up for itself is there.
+    // Called once, by the first thread that traces rays, or after the first coarse picture: all that a render sets up for
+    // itself is there.
     std::function<void()> on_begin;
     // Called whenever a tile has changed, one at a time, while only that tile may be read: its first samples, then each
     // refinement.
