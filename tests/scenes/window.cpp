@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <thread>
 #include <utility>
 
 #include "lapidary/image_library.h"
@@ -34,17 +32,6 @@ objects { sphere { material { red; } } }
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 bool have(const std::string& program) { return run("command -v " + program).exit_code == 0; }
-
-// Two minutes are enough for everything here, under sanitizers and beside other tests, too.
-template <class Condition>
-bool wait(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > deadline) return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return true;
-}
 
 // A display without a screen, gone after the test.
 class VirtualDisplay {
@@ -111,14 +98,14 @@ public:
     // messages, down and up, and the second one would find no window where the first one closed it.
     void press(const std::string& key) const {
         const auto has_focus = [&] { return display_.tool("xdotool getwindowfocus getwindowname").output.starts_with("ball"); };
-        if (wait([&] { return has_focus() || is_over(); })) display_.tool("xdotool key " + key);
+        if (wait_until([&] { return has_focus() || is_over(); })) display_.tool("xdotool key " + key);
     }
     // As editors do: at once.
     void save(const std::string& scene) const { fs::rename(folder.write("saved.scene", scene), folder.path() / "ball.scene"); }
     // What takes the window away.
     void tool(const std::string& words) const { display_.tool("sh -c 'xdotool search --name ^ball " + words + "'"); }
     bool wait_for_title(const std::string& part) const {
-        return wait([&] { return contains(title(), part); });
+        return wait_until([&] { return contains(title(), part); });
     }
     bool has(const std::string& file) const {
         std::error_code missing;
@@ -126,7 +113,7 @@ public:
         return !missing && size > 0;
     }
     bool wait_for(const std::string& file) const {
-        return wait([&] { return has(file); });
+        return wait_until([&] { return has(file); });
     }
     std::string text(const std::string& file) const {
         std::ifstream stream(folder.path() / file);
@@ -188,7 +175,7 @@ TEST_CASE("what is on the screen is the picture") {
     REQUIRE(show.wait_for("ball.png"));
     REQUIRE(show.wait_for_title("ball"));
     // The window stands in the middle of a screen of 640x480.
-    CHECK(wait([&] { return display.colour_at(320, 240) == std::array{255, 0, 0}; }));
+    CHECK(wait_until([&] { return display.colour_at(320, 240) == std::array{255, 0, 0}; }));
     CHECK(display.colour_at(320 - 95, 240 - 70) == std::array{0, 0, 255});
 }
 
@@ -196,10 +183,10 @@ TEST_CASE("the option --watch shows the scene anew in the same window when it is
     if (!can_show()) return;
     const VirtualDisplay display;
     const Show show(display, "--watch");
-    REQUIRE(wait([&] { return display.colour_at(320, 240) == std::array{255, 0, 0}; }));
+    REQUIRE(wait_until([&] { return display.colour_at(320, 240) == std::array{255, 0, 0}; }));
     // The picture is seen before it is finished; after that the program says that it waits.
     const auto wait_for_renders = [&](int renders) {
-        return wait([&] {
+        return wait_until([&] {
             const std::string said = show.text("said"), remark = "waiting until ball.scene is saved\n";
             int count = 0;
             for (std::size_t at = said.find(remark); at != std::string::npos; at = said.find(remark, at + 1)) ++count;
@@ -210,16 +197,16 @@ TEST_CASE("the option --watch shows the scene anew in the same window when it is
     std::string changed = ball;
     changed.replace(changed.find("colour(1, 0, 0)"), 15, "colour(0, 1, 0)");
     show.save(changed + "\n");
-    CHECK(wait([&] { return display.colour_at(320, 240) == std::array{0, 255, 0}; }));
+    CHECK(wait_until([&] { return display.colour_at(320, 240) == std::array{0, 255, 0}; }));
     REQUIRE(wait_for_renders(2));
 
     // A mistake is reported, and mended by the next save.
     show.save("objects { spere { } }");
-    CHECK(wait([&] { return contains(show.text("said"), "ball.scene:1:11: error: "); }));
+    CHECK(wait_until([&] { return contains(show.text("said"), "ball.scene:1:11: error: "); }));
     REQUIRE(wait_for_renders(3));
     changed.replace(changed.find("colour(0, 1, 0)"), 15, "colour(1, 1, 1)");
     show.save(changed);
-    CHECK(wait([&] { return display.colour_at(320, 240) == std::array{255, 255, 255}; }));
+    CHECK(wait_until([&] { return display.colour_at(320, 240) == std::array{255, 255, 255}; }));
     REQUIRE(wait_for_renders(4));
     show.press("Escape");
     REQUIRE(show.wait_for("status"));

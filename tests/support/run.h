@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Runs a command of the shell and keeps what it says.
+// Runs a command of the shell and keeps what it says; waits for what runs in the background.
 #pragma once
 
 #include <sys/wait.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace lapidary {
 
@@ -27,6 +29,17 @@ inline RunResult run(const std::string& command) {
     const int status = pclose(pipe);
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
     return result;
+}
+
+// Two minutes are enough for everything, under sanitizers and beside other tests, too.
+template <class Condition>
+bool wait_until(Condition condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > deadline) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return true;
 }
 
 // A path as one word of the shell.
