@@ -51,9 +51,8 @@ void check_log(const std::string& scene, const std::string& options, const std::
 }
 
 TEST_CASE("the logs of the project's scenes give the same pictures") {
-    for (const char* scene :
-         {"first.scene", "csg.scene", "trees.scene", "dice.scene", "matDemo.scene", "extremeMaterialTest.scene",
-          "gallery/bricks.scene", "gallery/mix.scene", "gallery/wood.scene", "gallery/layers.scene"})
+    // Of the others, what stands in the log is compared where all scenes are rendered.
+    for (const char* scene : {"extremeMaterialTest.scene", "gallery/wood.scene"})
         check_log(scene, "--resolution 32x24 --samples 2", "");
 }
 
