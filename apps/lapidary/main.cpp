@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // lapidary: renders scenes, checks them, and tells what it knows.
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -56,5 +58,9 @@ int main(int argc, char** argv) {
     // A full disk or a closed pipe is an error of the write, not the program's end.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
-    return static_cast<int>(lapidary::run(argc, argv));
+    const int code = static_cast<int>(lapidary::run(argc, argv));
+    if (code != static_cast<int>(lapidary::ExitCode::interrupted)) return code;
+    // Who stopped it does not wait until some hundred libraries have said goodbye.
+    std::fflush(nullptr);
+    _exit(code);
 }
