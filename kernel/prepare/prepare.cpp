@@ -18,7 +18,6 @@
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
 #include "kernel/prepare/world.h"
-#include "kernel/scene/plain_material.h"
 
 namespace lapidary {
 
@@ -90,7 +89,6 @@ public:
         world_.background = scene_.background;
         world_.materials.emplace_back();  // what objects without material are made of
         world_.materials.back().is_uniform = true;
-        world_.materials.back().matter = std::make_shared<const Matter>();
         world_.materials.back().number = 1;
         for (const SceneLight& light : scene_.lights) {
             (light.light->is_ambient() ? world_.ambient_lights : world_.lights).push_back(light.light);
@@ -306,19 +304,11 @@ private:
         world_.features.reflection |= material.may_reflect();
         world_.features.relief |= material.may_have_relief();
         if (instance.is_uniform)
-            instance.matter = uniform_matter(scene_material);
+            instance.matter = material.evaluate({});
         else
             instance.place = std::make_shared<const MaterialPlacement>(placement_of(to_world));
         world_.materials.push_back(std::move(instance));
         return index;
-    }
-
-    // That of plain matter is where it is, as long as the scene lives.
-    static std::shared_ptr<const Matter> uniform_matter(const SceneMaterial& scene_material) {
-        const Material& material = *scene_material.material;
-        const bool is_plain = !scene_material.texture && scene_material.children.empty();
-        if (is_plain) return {std::shared_ptr<const Matter>(), &static_cast<const PlainMaterial&>(material).matter()};
-        return std::make_shared<const Matter>(material.evaluate({}));
     }
 
     static MaterialPlacement placement_of(const ExactTransform& to_world) {

@@ -24,7 +24,7 @@ bool fits_lanes(const World& world, const Solid& solid) {
 // Lets all light through, to the last bit.
 bool is_clear(const MaterialInstance& material) {
     if (!material.is_uniform) return false;
-    const Matter& m = *material.matter;
+    const Matter& m = material.matter;
     return m.is_transparent() && m.opacity == 0 && m.colour.r >= 1 && m.colour.g >= 1 && m.colour.b >= 1;
 }
 

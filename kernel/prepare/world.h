@@ -35,7 +35,7 @@ struct MaterialInstance {
     const Material* material = nullptr;              // null: white, as objects without material are
     const SceneMaterial* source = nullptr;           // as written; null: as `material`
     std::shared_ptr<const MaterialPlacement> place;  // of one that is not uniform
-    std::shared_ptr<const Matter> matter;            // of a uniform one: what it is everywhere
+    Matter matter;                                   // of a uniform one: what it is everywhere
     bool is_uniform = false;
     bool may_be_transparent = false;
     std::int32_t number = 0;  // for the `material` layer, from 1

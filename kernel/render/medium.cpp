@@ -63,7 +63,7 @@ Colour integrate(const Material& material, const MaterialLine& line, double t0, 
 }  // namespace
 
 Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward) {
-    if (instance.is_uniform) return *instance.matter;
+    if (instance.is_uniform) return instance.matter;
     const Point p = instance.placement().to_local(site.point);
     const double footprint = site.footprint * instance.scale();
     const double step = 1e-6 * footprint + 0x1p-40 * largest_component(p);
@@ -97,7 +97,7 @@ TwoPartPoint crossing_point(const MaterialInstance& instance, const TwoPartPoint
 }
 
 Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {
-    if (instance.is_uniform) return transmittance(*instance.matter, t1 - t0);
+    if (instance.is_uniform) return transmittance(instance.matter, t1 - t0);
     if (t1 == infinity) return transmittance(instance.material->evaluate({line.at(t0), 0}), infinity);
     if (const auto matter = common_matter(*instance.material, line, t0, t1))
         return matter->is_transparent() ? transmittance(*matter, t1 - t0) : Colour::white();

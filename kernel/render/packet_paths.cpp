@@ -277,7 +277,7 @@ void PacketPaths::place_in_world(const Transform& placement, const PointBatch& _
 
 void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& faces) {
     if (material.is_uniform) {
-        const Matter& matter = *material.matter;
+        const Matter& matter = material.matter;
         for (int i = 0; i < width; ++i) {
             faces.colour.set(i, matter.colour);
             faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;

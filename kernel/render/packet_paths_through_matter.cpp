@@ -299,7 +299,7 @@ double PacketPaths::index_of(std::int32_t solid, const MatterSite& site, const V
     if (solid < 0) return 1;
     const MaterialInstance& medium = world_.materials[world_.solids[solid].medium];
     if (!medium.is_uniform) return tracer_.index_of(label_of(solid), site, toward, known);
-    return medium.matter->is_transparent() ? medium.matter->refraction : 1;
+    return medium.matter.is_transparent() ? medium.matter.refraction : 1;
 }
 
 void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces) {
@@ -312,7 +312,7 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
         const bool leaving = (faces.leaving >> i & 1) != 0;
         Matter sampled;
         if (!material.is_uniform) sampled = matter_beside(material, site, leaving ? -beyond : beyond);
-        const Matter& matter = material.is_uniform ? *material.matter : sampled;
+        const Matter& matter = material.is_uniform ? material.matter : sampled;
         faces.colour.set(i, matter.colour);
         faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
         faces.opacity[i] = matter.opacity;

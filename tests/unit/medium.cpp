@@ -24,7 +24,7 @@ MaterialInstance placed(const MaterialPtr& material) {
     instance.material = material.get();
     instance.is_uniform = material->is_uniform();
     instance.may_be_transparent = material->may_be_transparent();
-    if (instance.is_uniform) instance.matter = std::make_shared<Matter>(material->evaluate({}));
+    if (instance.is_uniform) instance.matter = material->evaluate({});
     return instance;
 }
 
