@@ -73,7 +73,7 @@ TEST_CASE("what writes picture files is opened to write one, and not where a sce
         if (library == image_module || library.starts_with("libOpenImageIO")) FAIL_CHECK(library);
 }
 
-TEST_CASE("-v tells how many plugins were opened and how many were passed over") {
+TEST_CASE("a verbose run tells how many plugins were opened and how many were passed over") {
     const TemporaryFolder folder;
     const fs::path file = folder.write("told.scene", "lights { ambient { } } objects { sphere { } }");
     const RunResult told = run(
