@@ -339,9 +339,13 @@ private:
         if (std::adjacent_find(order_.begin(), order_.end(), std::greater_equal<>()) == order_.end()) {
             for (std::size_t i = 0; i < order_.size(); ++i)
                 if (const auto from = static_cast<std::size_t>(order_[i]); from != i) drafted[i] = std::move(drafted[from]);
+            world_.leaves_left_out = drafted.size() - order_.size();
             drafted.resize(order_.size());
             world_.leaves = std::move(drafted);
         } else {
+            std::vector<bool> stands(drafted.size());
+            for (std::int32_t leaf : order_) stands[static_cast<std::size_t>(leaf)] = true;
+            world_.leaves_left_out = static_cast<std::size_t>(std::count(stands.begin(), stands.end(), false));
             world_.leaves.reserve(order_.size());
             for (std::int32_t leaf : order_) world_.leaves.push_back(drafted[leaf]);
         }

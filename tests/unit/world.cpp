@@ -35,5 +35,21 @@ objects {
     CHECK(world->materials.back().source->name == "red");
 }
 
+TEST_CASE("leaves that are out of reach are left out, and counted") {
+    const auto left_out = [](const std::string& objects) {
+        const auto built = test::build("lights { ambient { } } objects { " + objects + " }");
+        REQUIRE(built->scene);
+        const auto world = prepare_world(*built->scene, built->messages);
+        return std::pair{world->leaves.size(), world->leaves_left_out};
+    };
+    const std::string far = "sphere { transform { translate(9, 0, 0); } }";
+    CHECK(left_out("subtraction { cube { } sphere { radius(1.2); } }") == std::pair<std::size_t, std::size_t>{2, 0});
+    CHECK(left_out("subtraction { cube { } " + far + " sphere { radius(1.2); } }") == std::pair<std::size_t, std::size_t>{2, 1});
+    CHECK(left_out("intersection { cube { } " + far + " } sphere { }") == std::pair<std::size_t, std::size_t>{1, 2});
+    // Distributed over the union, the subtrahend stands in one of its parts only.
+    CHECK(left_out("subtraction { union { cube { } " + far + " } sphere { radius(1.2); } }") ==
+          std::pair<std::size_t, std::size_t>{3, 0});
+}
+
 }  // namespace
 }  // namespace lapidary
