@@ -99,6 +99,7 @@ public:
         record_.stages.end();
         record_.plugins = session.registry().opened();
         record_.plugins_passed_over = count_plugins(session.registry()) - record_.plugins.size();
+        record_.modules = modules();
         keep_files(code);
         if (was_saved()) return code;
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();

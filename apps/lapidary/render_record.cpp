@@ -38,8 +38,15 @@ void add_trace(const TraceStatistics& trace, std::vector<std::string>& lines) {
     const std::uint64_t rays = trace.camera_rays + trace.mirrored_rays + trace.refracted_rays + trace.shadow_rays;
     lines.push_back(fmt::format("{} tests of objects, {:.1f} a ray", trace.object_tests, share(trace.object_tests, rays)));
     if (trace.march_steps) lines.push_back(fmt::format("{} boundaries met inside transparent matter", trace.march_steps));
+    lines.push_back(fmt::format("{} octaves too fine to be seen", trace.octaves_faded));
     lines.push_back(fmt::format("rounding: {} slivers removed, {} rays began in another cell than expected, {} samples dropped",
                                 trace.slivers_removed, trace.first_cell_disagreements, trace.non_finite_samples));
+}
+
+std::string list(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text.empty() ? "none" : text;
 }
 
 // The words as a shell would take them.
@@ -98,6 +105,8 @@ std::string summary(const RenderRecord& record) {
 std::vector<std::string> statistics(const RenderRecord& record) {
     std::vector<std::string> lines;
     lines.push_back(fmt::format("{} plugins opened, {} passed over", record.plugins.size(), record.plugins_passed_over));
+    lines.push_back(
+        fmt::format("modules opened: {}; passed over: {}", list(record.modules.opened), list(record.modules.passed_over)));
     if (record.world) {
         lines.push_back(world_line(*record.world));
         lines.push_back("features: " + record.world->features.describe());

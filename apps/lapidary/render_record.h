@@ -14,6 +14,7 @@
 
 #include "apps/lapidary/commands.h"
 #include "apps/lapidary/stages.h"
+#include "kernel/registry/library.h"
 #include "kernel/render/render.h"
 #include "kernel/report/messages.h"
 #include "kernel/scene/scene.h"
@@ -28,6 +29,7 @@ struct RenderRecord {
     std::vector<std::string> files;               // read
     std::vector<const Plugin*> plugins;           // opened
     std::size_t plugins_passed_over = 0;          // that are there and were not opened
+    Modules modules;                              // of the program
     std::shared_ptr<const Scene> scene;           // as rendered, with the command line's wishes; null where it has errors
     std::shared_ptr<const World> world;           // null where it did not come so far
     std::optional<PixelRegion> region;            // where not all was asked for

@@ -75,6 +75,11 @@ public:
     virtual bool may_have_relief() const = 0;
 };
 
+// For the statistics: a texture calls it where it takes the mean of so many octaves that are too fine to be seen.
+LAPIDARY_API void count_faded_octaves(int octaves);
+// All that the calling thread has counted.
+LAPIDARY_API std::uint64_t octaves_faded_by_thread();
+
 using MaterialPtr = std::shared_ptr<const Material>;
 
 }  // namespace lapidary

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -59,6 +60,30 @@ bool is_cut_off(const std::filesystem::path& library) {
     return false;
 }
 
+std::filesystem::path module_folder() { return kernel_folder() / "lapidary" / "modules"; }
+
+// The names of the modules that were opened.
+class OpenedModules {
+public:
+    void add(const std::string& name) {
+        const std::lock_guard lock(mutex_);
+        names_.insert(name);
+    }
+    bool contains(const std::string& name) const {
+        const std::lock_guard lock(mutex_);
+        return names_.contains(name);
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::set<std::string> names_;
+};
+
+OpenedModules& opened_modules() {
+    static OpenedModules opened;
+    return opened;
+}
+
 // Never closed, not even at exit, when objects made by a plugin may still be about to be destroyed.
 void keep_open(shared_library&& library) {
     static std::mutex mutex;
@@ -83,14 +108,26 @@ void* open_symbol(const std::filesystem::path& library, const char* symbol) {
 }
 
 void* open_module(const char* name, const char* symbol) {
-    const std::filesystem::path file = kernel_folder() / "lapidary" / "modules" / fmt::format("{}.so", name);
+    const std::filesystem::path file = module_folder() / fmt::format("{}.so", name);
     try {
-        return open_symbol(file, symbol);
+        void* const address = open_symbol(file, symbol);
+        opened_modules().add(name);
+        return address;
     } catch (const std::runtime_error& reason) {
         throw std::runtime_error(
             fmt::format("the program's module '{}' cannot be used: {}; the installation is damaged, install it again",
                         file.string(), reason.what()));
     }
+}
+
+Modules modules() {
+    std::set<std::string> names;
+    std::error_code error;  // without the folder there are none
+    for (const auto& entry : std::filesystem::directory_iterator(module_folder(), error))
+        if (entry.path().extension() == ".so") names.insert(entry.path().stem().string());
+    Modules all;
+    for (const std::string& name : names) (opened_modules().contains(name) ? all.opened : all.passed_over).push_back(name);
+    return all;
 }
 
 }  // namespace lapidary

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "kernel/export.h"
 
@@ -18,5 +20,12 @@ LAPIDARY_API void* open_symbol(const std::filesystem::path& library, const char*
 // A module of the program: <prefix>/lib/lapidary/modules/<name>.so, beside the kernel's own library. Throws
 // std::runtime_error with a sentence.
 LAPIDARY_API void* open_module(const char* name, const char* symbol);
+
+// By name, in the order of the alphabet.
+struct Modules {
+    std::vector<std::string> opened, passed_over;
+};
+// All that are there, as things are now.
+LAPIDARY_API Modules modules();
 
 }  // namespace lapidary

@@ -16,7 +16,7 @@ TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
     shadow_rays += o.shadow_rays, shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
     non_finite_samples += o.non_finite_samples, first_cell_disagreements += o.first_cell_disagreements;
-    march_steps += o.march_steps, slivers_removed += o.slivers_removed;
+    march_steps += o.march_steps, slivers_removed += o.slivers_removed, octaves_faded += o.octaves_faded;
     return *this;
 }
 
@@ -358,6 +358,13 @@ Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_
     : implementation_(std::make_unique<Implementation>(world, settings, pixel_footprint)) {}
 Tracer::~Tracer() = default;
 
+void Tracer::Implementation::trace_rays(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
+    for (std::size_t i = 0; i < samples.size() && !is_stopped(); ++i) {
+        const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
+        samples[i].colour = radiance(ray, Path{}, all_layers ? &samples[i] : nullptr);
+    }
+}
+
 void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
     std::vector<RayPacket> packets((rays.size() + batch_size - 1) / batch_size);
     for (std::size_t i = 0; i < rays.size(); ++i) packets[i / batch_size].add(rays[i]);
@@ -369,14 +376,12 @@ void Tracer::trace(std::span<const RayPacket> rays, std::span<RaySample> samples
     Implementation& tracer = *implementation_;
     tracer.statistics.camera_rays += samples.size();
     if (all_layers) std::fill(samples.begin(), samples.end(), RaySample{});
-    if (!tracer.observer && !tracer.one_by_one) {
+    const std::uint64_t faded_before = octaves_faded_by_thread();
+    if (!tracer.observer && !tracer.one_by_one)
         tracer.packets->trace(rays, samples, all_layers);
-        return;
-    }
-    for (std::size_t i = 0; i < samples.size() && !tracer.is_stopped(); ++i) {
-        const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
-        samples[i].colour = tracer.radiance(ray, Path{}, all_layers ? &samples[i] : nullptr);
-    }
+    else
+        tracer.trace_rays(rays, samples, all_layers);
+    tracer.statistics.octaves_faded += octaves_faded_by_thread() - faded_before;
 }
 
 void Tracer::trace_one_by_one(bool one_by_one) { implementation_->one_by_one = one_by_one; }

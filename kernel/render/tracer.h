@@ -44,6 +44,7 @@ struct TraceStatistics {
     std::uint64_t non_finite_samples = 0;        // dropped
     std::uint64_t first_cell_disagreements = 0;  // rays that began in another cell than the face before them said
     std::uint64_t march_steps = 0;               // boundaries met inside textured transparent matter
+    std::uint64_t octaves_faded = 0;             // of noise, too fine to be seen
 
     LAPIDARY_API TraceStatistics& operator+=(const TraceStatistics& other);
 };

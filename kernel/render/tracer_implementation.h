@@ -87,6 +87,7 @@ struct Tracer::Implementation {
 
     bool is_stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 
+    void trace_rays(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
     Colour radiance(const Ray& ray, const Path& path, RaySample* first);
     Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
     enum class Turn : std::uint8_t { mirrored, refracted };

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "kernel/interfaces/material.h"
 #include "lapidary/noise.h"
 
 namespace lapidary {
@@ -20,9 +21,10 @@ inline Point scaled(const Point& p, double s) { return {s * p.x, s * p.y, s * p.
 inline double turbulence(const Point& p, int n, int count) {
     double sum = 0, scale = 1;
     for (int i = 0; i < count; ++i, scale *= 2) sum += std::fabs(noise(scaled(p, scale))) / scale;
+    if (count >= n) return sum;
+    count_faded_octaves(n - count);
     // The heights of octaves count … n - 1 add up to 2 (2^-count - 2^-n).
-    const double rest = 2 * (std::ldexp(1, -count) - std::ldexp(1, -n));
-    return count < n ? sum + mean_absolute_noise * rest : sum;
+    return sum + mean_absolute_noise * 2 * (std::ldexp(1, -count) - std::ldexp(1, -n));
 }
 
 inline double turbulence(const Point& p, int n) { return turbulence(p, n, n); }

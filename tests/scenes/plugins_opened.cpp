@@ -84,6 +84,41 @@ TEST_CASE("a verbose run tells how many plugins were opened and how many were pa
     CHECK(told.output.find(fmt::format("3 plugins opened, {} passed over\n", all - 3)) != std::string::npos);
 }
 
+TEST_CASE("a verbose run tells which modules were opened and which were passed over") {
+    const TemporaryFolder folder, configured;
+    const std::string scene = "lights { ambient { } } objects { sphere { } }";
+    folder.write("told.scene", scene);
+    configured.write("told.scene", scene);
+    configured.write("lapidary.yaml", "threads: 1\n");
+    const auto told = [](const TemporaryFolder& where, const std::string& options) {
+        return run(fmt::format("cd {0} && HOME={0} XDG_CONFIG_HOME={0}/config {1} -w -v --resolution 16x12 {2} told.scene",
+                               quoted(where.path()), quoted(LAPIDARY_PROGRAM), options))
+            .output;
+    };
+    CHECK_THAT(told(folder, "-d"), Catch::Contains("modules opened: none; passed over: image, yaml_configuration\n"));
+    CHECK_THAT(told(folder, ""), Catch::Contains("modules opened: image; passed over: yaml_configuration\n"));
+    CHECK_THAT(told(configured, "-d"), Catch::Contains("modules opened: yaml_configuration; passed over: image\n"));
+    CHECK_THAT(told(configured, ""), Catch::Contains("modules opened: image, yaml_configuration; passed over: none\n"));
+}
+
+TEST_CASE("a verbose run tells how many octaves were too fine to be seen") {
+    const TemporaryFolder folder;
+    const auto told = [&](const std::string& turbulence) {
+        const fs::path file =
+            folder.write("told.scene",
+                         "camera { location(0,0,-4); look_at(0,0,0); rays(1); } lights { ambient { } } objects { cube { "
+                         "size(9,9,0.1); material { turbulence { " +
+                             turbulence + " checkers { solid { } solid { colour(0,0,0); } } } } } }");
+        return run(fmt::format("cd {} && {} -w -v --resolution 16x12 {}", quoted(folder.path()), quoted(LAPIDARY_PROGRAM),
+                               quoted(file)))
+            .output;
+    };
+    CHECK_THAT(told("octaves(1);"), Catch::Contains("\n0 octaves too fine"));
+    // A pixel is about a third wide, so that octaves from the ninth on move nothing by a sixteenth of it.
+    const std::string many = told("octaves(20);");
+    CHECK_THAT(many, Catch::Matches("[^]*\\n[1-9][0-9]* octaves too fine to be seen\\n[^]*"));
+}
+
 TEST_CASE("textures are opened when they are named") {
     const TemporaryFolder folder;
     const auto libraries = libraries_opened(

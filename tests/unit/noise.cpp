@@ -139,7 +139,9 @@ TEST_CASE("turbulence is the sum of its octaves") {
         REQUIRE(turbulence(p, 6) == Approx(sum).epsilon(1e-14));
         REQUIRE(turbulence_with_gradient(p, 6).value == Approx(sum).epsilon(1e-14));
         // Three octaves, and the mean of what 1/8 + 1/16 + 1/32 of them add.
+        const std::uint64_t faded = octaves_faded_by_thread();
         REQUIRE(turbulence(p, 6, 3) == Approx(turbulence(p, 3) + mean_absolute_noise * 0.21875).epsilon(1e-14));
+        REQUIRE(octaves_faded_by_thread() == faded + 3);
     }
 }
 
