@@ -28,7 +28,8 @@ public:
     }
 
     Matter evaluate(const Site& site) const override {
-        const double s = site.point.x + amount_ * turbulence(site.point, octaves_);
+        const double s =
+            site.point.x + amount_ * turbulence(site.point, octaves_, visible_octaves(octaves_, amount_, site.footprint));
         const double wave = (1 + std::cos(2 * std::numbers::pi * (s - std::floor(s)))) / 2;
         return matter(mix(colour(), vein_, std::pow(wave, sharpness_)), site.point);
     }

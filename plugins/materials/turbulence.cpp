@@ -40,7 +40,7 @@ public:
 
     Matter evaluate(const Site& site) const override {
         const Point& p = site.point;
-        const int count = visible_octaves(site.footprint);
+        const int count = visible_octaves(octaves_, std::sqrt(3.0) * amount_, site.footprint);  // of all three together
         const Vector stir{turbulence(p, octaves_, count), turbulence(p + offset1, octaves_, count),
                           turbulence(p + offset2, octaves_, count)};
         Matter m = child_->evaluate({p + amount_ * stir, site.footprint});
@@ -156,16 +156,6 @@ private:
         const Crossing crossing = child_->next_boundary({before, behind - before}, 0, 1);
         if (!(crossing.t < infinity)) return Normal(line.direction);
         return Normal(pulled_back(to_vector(crossing.normal), line.at(t)));
-    }
-
-    // So many octaves that the rest moves a point by less than a sixteenth of a pixel. The octaves from i on, each
-    // between 0 and noise_bound of its height, stray from their mean by less than 2 noise_bound / 2^i together.
-    int visible_octaves(double footprint) const {
-        const double unseen = footprint / 16;
-        double stray = std::fabs(amount_) * std::sqrt(3.0) * 2 * noise_bound;
-        int count = 0;
-        for (; count < octaves_ && stray >= unseen; ++count) stray /= 2;
-        return count;
     }
 
     int octaves_ = 6;

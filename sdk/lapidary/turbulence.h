@@ -29,6 +29,16 @@ inline double turbulence(const Point& p, int n, int count) {
 
 inline double turbulence(const Point& p, int n) { return turbulence(p, n, n); }
 
+// So many of n octaves that the rest moves what T says, times `amount`, by less than a sixteenth of a pixel. The octaves from i
+// on, each between 0 and noise_bound of its height, stray from their mean by less than 2 noise_bound / 2^i together.
+inline int visible_octaves(int n, double amount, double footprint) {
+    const double unseen = footprint / 16;
+    double stray = std::fabs(amount) * 2 * noise_bound;
+    int count = 0;
+    for (; count < n && stray >= unseen; ++count) stray /= 2;
+    return count;
+}
+
 // T with its gradient (of one side, where an octave passes 0).
 inline NoiseSample turbulence_with_gradient(const Point& p, int n) {
     NoiseSample sum;

@@ -172,6 +172,23 @@ TEST_CASE("octaves that cannot be seen move a point by less than a sixteenth of 
     }
 }
 
+TEST_CASE("octaves that cannot be seen move the veins of marble by less than a sixteenth of a pixel") {
+    // From black to white as (1 + cos(2 pi s)) / 2, which is nowhere steeper than pi.
+    const MaterialPtr marble = texture(
+        "marble", {number("octaves", {24}), number("sharpness", {1}), number("colour", {0, 0, 0}), number("vein", {1, 1, 1})});
+    std::mt19937_64 generator(7);
+    for (double footprint : {1e-4, 1e-3, 1e-2, 0.1}) {
+        bool any_left_out = false;
+        for (int i = 0; i < 300; ++i) {
+            const Point p = random_point(generator);
+            const double exact = marble->evaluate({p, 0}).colour.r, seen = marble->evaluate({p, footprint}).colour.r;
+            REQUIRE(std::fabs(seen - exact) < std::numbers::pi * footprint / 16);
+            any_left_out = any_left_out || seen != exact;
+        }
+        CHECK(any_left_out);
+    }
+}
+
 TEST_CASE("mix blends every value, by a number or by a third material") {
     const MaterialPtr a = texture("solid", {number("colour", {1, 0, 0}), number("reflection", {0.2}), number("shininess", {10}),
                                             number("refraction", {1.2}), number("depth", {1})});
