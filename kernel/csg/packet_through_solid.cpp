@@ -18,10 +18,10 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 // By halves, as vectors are folded.
 template <class Choose>
-double fold(const Lanes& lanes, Choose choose) {
-    std::array<double, 4> four;
-    for (int i = 0; i < 4; ++i) four[i] = choose(lanes[i], lanes[i + 4]);
-    return choose(choose(four[0], four[2]), choose(four[1], four[3]));
+double fold(Lanes lanes, Choose choose) {
+    for (int half = PacketThroughSolid::width / 2; half > 0; half /= 2)
+        for (int i = 0; i < half; ++i) lanes[i] = choose(lanes[i], lanes[half + i]);
+    return lanes[0];
 }
 double least(const Lanes& lanes) { return fold(lanes, lesser); }
 double largest(const Lanes& lanes) { return fold(lanes, greater); }
@@ -49,8 +49,8 @@ std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __re
                              Lanes& __restrict out) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        in[i] = other_in[i] > in[i] ? other_in[i] : in[i];
-        out[i] = other_out[i] < out[i] ? other_out[i] : out[i];
+        in[i] = greater(other_in[i], in[i]);
+        out[i] = lesser(other_out[i], out[i]);
         left += in[i] < out[i];
     }
     return left;
@@ -79,8 +79,8 @@ void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std:
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], end = out[i], at = t[i], beyond = further[i];
         const std::int64_t shown = leaf[i];
-        doubtful[i] = ((begin <= beyond) & (beyond < end)) ? 1 : doubtful[i];
-        leaf[i] = ((end == at) & (shown != index)) ? -1 : shown;
+        doubtful[i] = both(begin <= beyond, beyond < end) ? 1 : doubtful[i];
+        leaf[i] = both(end == at, shown != index) ? -1 : shown;
     }
 }
 
@@ -90,7 +90,7 @@ std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out,
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], end = out[i], at = t[i];
-        const bool holds = (begin <= at) & (at < end);
+        const bool holds = both(begin <= at, at < end);
         t[i] = holds ? end : at;
         leaf[i] = holds ? index : leaf[i];
         moved[i] = holds ? 1 : moved[i];
@@ -104,8 +104,8 @@ void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out,
                Lanes& __restrict t) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double at = t[i], end = first_out[i], most = limit[i], was_moved = moved[i];
-        const bool remains = (at < end) & (at <= most);
-        t[i] = ((was_moved == 0) | remains) ? at : infinity;
+        const bool remains = both(at < end, at <= most);
+        t[i] = either(was_moved == 0, remains) ? at : infinity;
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Eight rays at once through one solid: the same answers as LineThroughSolid, bit for bit.
+// A packet of rays through one solid: the same answers as LineThroughSolid, bit for bit.
 //
 // A solid in product form, inside all of its positive leaves and outside all of its negative ones, is evaluated for all lanes
 // in one go:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Eight rays at once through the tree of a solid: LineThroughSolid's functions in lanes. Each is idempotent, so a lane that has
+// A packet of rays through the tree of a solid: LineThroughSolid's functions in lanes. Each is idempotent, so a lane that has
 // arrived may take part in further rounds until all have.
 #include "kernel/csg/label.h"
 #include "kernel/csg/packet_through_solid.h"

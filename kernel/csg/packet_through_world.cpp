@@ -45,8 +45,8 @@ std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::Le
     for (int i = 0; i < PacketThroughWorld::width; ++i) {
         const double first = boundaries.t[i], at = t[i];
         const std::int64_t before = first_solid[static_cast<std::size_t>(i)];
-        const bool ties = (at == first) & (at < infinity) & (solid < before);
-        const bool comes_first = (at > 0) & ((at < first) | ties);
+        const bool ties = both(both(at == first, at < infinity), solid < before);
+        const bool comes_first = both(at > 0, either(at < first, ties));
         boundaries.t[i] = comes_first ? at : first;
         limits[i] = comes_first ? at : limits[i];
         closer[i] = comes_first ? 1 : 0;
@@ -66,32 +66,28 @@ PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& stat
       statistics_(statistics),
       single_(world, statistics),
       reach_(reach_of(world.hierarchy)),
-      solids_{PacketThroughSolid(world, statistics), PacketThroughSolid(world, statistics)} {}
+      solid_(world, statistics) {}
 
-void PacketThroughWorld::start(std::span<const RayPacket> packets) {
-    packets_ = packets;
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        solids_[p].start(packets[p]);
-        round_rays(p);
-        // Lanes without a ray are done from the start.
-        for (int i = packets[p].count; i < width; ++i) limits_[p][i] = -1;
-        set_limits(p);
-    }
-    if (packets.size() < most_packets) std::fill(float_limits_.v.begin() + width, float_limits_.v.end(), -1.0F);
+void PacketThroughWorld::start(const RayPacket& rays) {
+    packet_ = &rays;
+    solid_.start(rays);
+    round_rays();
+    // Lanes without a ray are done from the start.
+    for (int i = rays.count; i < width; ++i) limits_[i] = -1;
+    set_limits();
 }
 
 // Rays as floats that lose no box. The origin, relative to the anchor, is rounded up against the low planes of boxes and down
 // against the high ones: in (plane - origin) / direction both move the entry toward the start and the exit away from it,
 // whatever the direction's sign. An origin far outside of the scene would lose its digits: it first moves along the ray to
 // where boxes may begin, and t counts from there.
-void PacketThroughWorld::round_rays(std::size_t packet) {
+void PacketThroughWorld::round_rays() {
     const Point anchor = world_.hierarchy.anchor();
     const double anchor_size = std::fabs(anchor.x) + std::fabs(anchor.y) + std::fabs(anchor.z);
     const double reach = reach_;
-    const int begin = static_cast<int>(packet) * width;
-    const RayPacket& __restrict rays = packets_[packet];
+    const RayPacket& __restrict rays = *packet_;
     FloatRays& __restrict floats = rays_;
-    Lanes& __restrict shifts = shifts_[packet];
+    Lanes& __restrict shifts = shifts_;
 
     const auto inverse = [](double direction) {
         // A direction of 0 counts as one that leaves no box: infinity times 0 would be no number.
@@ -109,21 +105,20 @@ void PacketThroughWorld::round_rays(std::size_t packet) {
         const double x = ox - anchor.x + shift * dx, y = oy - anchor.y + shift * dy, z = oz - anchor.z + shift * dz;
         const double slack = 0x1p-50 * (std::fabs(ox) + std::fabs(oy) + std::fabs(oz) + anchor_size + shift);
         shifts[i] = shift;
-        floats.high_x[begin + i] = float_above(x + slack), floats.low_x[begin + i] = float_below(x - slack);
-        floats.high_y[begin + i] = float_above(y + slack), floats.low_y[begin + i] = float_below(y - slack);
-        floats.high_z[begin + i] = float_above(z + slack), floats.low_z[begin + i] = float_below(z - slack);
-        floats.inverse_x[begin + i] = inverse(dx);
-        floats.inverse_y[begin + i] = inverse(dy);
-        floats.inverse_z[begin + i] = inverse(dz);
+        floats.high_x[i] = float_above(x + slack), floats.low_x[i] = float_below(x - slack);
+        floats.high_y[i] = float_above(y + slack), floats.low_y[i] = float_below(y - slack);
+        floats.high_z[i] = float_above(z + slack), floats.low_z[i] = float_below(z - slack);
+        floats.inverse_x[i] = inverse(dx);
+        floats.inverse_y[i] = inverse(dy);
+        floats.inverse_z[i] = inverse(dz);
     }
 }
 
-void PacketThroughWorld::set_limits(std::size_t packet) {
-    const Lanes &limits = limits_[packet], &shifts = shifts_[packet];
+void PacketThroughWorld::set_limits() {
     for (int i = 0; i < width; ++i) {
-        const double limit = limits[i] - shifts[i] + 0x1p-50 * shifts[i];
+        const double limit = limits_[i] - shifts_[i] + 0x1p-50 * shifts_[i];
         const float rounded = float_above(limit);
-        float_limits_[static_cast<int>(packet) * width + i] = limits[i] >= 0 ? lesser(rounded, largest_float) : -1;
+        float_limits_[i] = limits_[i] >= 0 ? lesser(rounded, largest_float) : -1;
     }
 }
 
@@ -134,7 +129,7 @@ bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLane
     const FloatRays& r = rays_;
     const std::array<float, 3> low = node.low[child], high = node.high[child];
     int met = 0;
-    for (int i = 0; i < float_width; ++i) {
+    for (int i = 0; i < width; ++i) {
         const float x0 = (low[0] - r.high_x[i]) * r.inverse_x[i], x1 = (high[0] - r.low_x[i]) * r.inverse_x[i];
         const float y0 = (low[1] - r.high_y[i]) * r.inverse_y[i], y1 = (high[1] - r.low_y[i]) * r.inverse_y[i];
         const float z0 = (low[2] - r.high_z[i]) * r.inverse_z[i], z1 = (high[2] - r.low_z[i]) * r.inverse_z[i];
@@ -150,24 +145,20 @@ bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLane
 // How many more rays reach the second of two boxes before the first than the other way round.
 int PacketThroughWorld::votes_for_second(const FloatLanes& first, const FloatLanes& second) {
     int votes = 0;
-    for (int i = 0; i < float_width; ++i) votes += (second[i] < first[i]) - (first[i] < second[i]);
+    for (int i = 0; i < width; ++i) votes += (second[i] < first[i]) - (first[i] < second[i]);
     return votes;
 }
 
-std::array<int, PacketThroughWorld::most_packets> PacketThroughWorld::within_limits(const FloatLanes& near) const {
-    int counts = 0;
-    for (int i = 0; i < width; ++i) {
-        const int other = width + i;
-        counts += (near[i] <= float_limits_[i] ? 1 : 0) + (near[other] <= float_limits_[other] ? 1 << 8 : 0);
-    }
-    return {counts & 0xff, counts >> 8};
+bool PacketThroughWorld::is_within_limits(const FloatLanes& near) const {
+    int count = 0;
+    for (int i = 0; i < width; ++i) count += near[i] <= float_limits_[i];
+    return count > 0;
 }
 
-// Calls visit(packet, solid) for the solids that any ray of a packet may meet within its limit.
+// Calls visit(solid) for the solids that any ray may meet within its limit.
 template <PacketThroughWorld::Order order, class Visit>
 void PacketThroughWorld::for_each_solid(Visit visit) {
-    for (std::int32_t solid : world_.unbounded)
-        for (std::size_t p = 0; p < packets_.size(); ++p) visit(p, solid);
+    for (std::int32_t solid : world_.unbounded) visit(solid);
     walk<order>(visit);
 }
 
@@ -176,7 +167,6 @@ void PacketThroughWorld::walk(Visit visit) {
     const std::vector<Hierarchy::Node>& nodes = world_.hierarchy.nodes();
     if (nodes.empty()) return;
     std::array<FloatLanes, 2> near;
-    const FloatLanes* reached = nullptr;
     std::int32_t child = 0;
     for (int size = 0;;) {
         // Down to a solid: of two children that are met the nearer one, while the other waits.
@@ -191,62 +181,53 @@ void PacketThroughWorld::walk(Visit visit) {
                 nears_[size++] = near[1 - next];
             }
             child = node.child[next];
-            reached = &near[next];
         }
-        if (child < 0) {
-            const std::array<int, most_packets> within = within_limits(*reached);
-            for (std::size_t p = 0; p < packets_.size(); ++p)
-                if (within[p] > 0) visit(p, ~child);
-        }
+        if (child < 0) visit(~child);
         // What waits and is still within the limits of some ray.
         for (bool found = false; !found;) {
             if (size == 0) return;
-            child = children_[--size], reached = &nears_[size];
-            const std::array<int, most_packets> within = within_limits(*reached);
-            found = within[0] + within[1] > 0;
+            child = children_[--size];
+            found = is_within_limits(nears_[size]);
         }
     }
 }
 
-void PacketThroughWorld::first_boundaries(std::span<const RayPacket> packets, std::span<BoundaryPacket> boundaries) {
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        limits_[p].v.fill(infinity);
-        boundaries[p].t.v.fill(infinity), boundaries[p].solid.fill(-1), boundaries[p].leaf.fill(-1);
-        boundaries[p].starts_inside = 0;
-    }
-    start(packets);
-    for_each_solid<Order::near_first>([&](std::size_t p, std::int32_t solid) { meet_solid(p, solid, boundaries[p]); });
+void PacketThroughWorld::first_boundaries(const RayPacket& rays, BoundaryPacket& boundaries) {
+    limits_.v.fill(infinity);
+    boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1);
+    boundaries.starts_inside = 0;
+    start(rays);
+    for_each_solid<Order::near_first>([&](std::int32_t solid) { meet_solid(solid, boundaries); });
     if (world_.sheets.empty()) return;
     Lanes from;
     from.v.fill(0);
-    for (std::size_t p = 0; p < packets.size(); ++p) meet_sheets(p, from, boundaries[p]);
+    meet_sheets(from, boundaries);
 }
 
-void PacketThroughWorld::meet_solid(std::size_t packet, std::int32_t index, BoundaryPacket& boundaries) {
+void PacketThroughWorld::meet_solid(std::int32_t index, BoundaryPacket& boundaries) {
     const Solid& solid = world_.solids[index];
-    Lanes& limits = limits_[packet];
     Lanes t;
     PacketThroughSolid::LeafLanes leaf;
-    solids_[packet].enter(solid, limits, t, leaf);
+    solid_.enter(solid, limits_, t, leaf);
     std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) inside += t[i] == 0;
-    for (int i = 0; inside > 0 && i < packets_[packet].count; ++i)
+    for (int i = 0; inside > 0 && i < packet_->count; ++i)
         if (t[i] == 0) {  // the way out is what is met
-            t[i] = solids_[packet].leave(solid, i), leaf[i] = -1;
+            t[i] = solid_.leave(solid, i), leaf[i] = -1;
             boundaries.starts_inside |= 1u << i;
-            count_start_inside(packets_[packet].departure[static_cast<std::size_t>(i)], statistics_);
+            count_start_inside(packet_->departure[static_cast<std::size_t>(i)], statistics_);
         }
 
-    if (take_closer(t, leaf, index, boundaries, limits) > 0) set_limits(packet);
+    if (take_closer(t, leaf, index, boundaries, limits_) > 0) set_limits();
 }
 
 // Behind `from`.
-void PacketThroughWorld::meet_sheets(std::size_t packet, const Lanes& from, BoundaryPacket& boundaries) {
-    const RayPacket& rays = packets_[packet];
+void PacketThroughWorld::meet_sheets(const Lanes& from, BoundaryPacket& boundaries) {
+    const RayPacket& rays = *packet_;
     for (const Sheet& sheet : world_.sheets) {
         const bool simple = sheet.conditions.empty() && world_.leaves[sheet.leaf].first_surface < 0;
         Lanes t;
-        if (simple) solids_[packet].cross_sheet(sheet.leaf, t);
+        if (simple) solid_.cross_sheet(sheet.leaf, t);
         for (int i = 0; i < rays.count; ++i) {
             Boundary first;
             first.t = boundaries.t[i], first.solid = boundaries.solid[i], first.leaf = boundaries.leaf[i];
@@ -261,59 +242,54 @@ void PacketThroughWorld::meet_sheets(std::size_t packet, const Lanes& from, Boun
     }
 }
 
-unsigned PacketThroughWorld::blocked(std::span<const RayPacket> packets, std::span<const Lanes> distances) {
-    for (std::size_t p = 0; p < packets.size(); ++p) limits_[p] = distances[p];
-    start(packets);
+unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distances) {
+    limits_ = distances;
+    start(rays);
     unsigned blocked = 0;
-    for_each_solid<Order::any>([&](std::size_t p, std::int32_t index) {
-        Lanes& limits = limits_[p];
+    for_each_solid<Order::any>([&](std::int32_t index) {
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
-        solids_[p].enter(world_.solids[index], limits, t, leaf);
+        solid_.enter(world_.solids[index], limits_, t, leaf);
         std::int64_t hits = 0;
-        for (int i = 0; i < width; ++i) hits += t[i] < limits[i];
+        for (int i = 0; i < width; ++i) hits += t[i] < limits_[i];
         if (hits == 0) return;
-        for (int i = 0; i < packets[p].count; ++i) {
-            if (!(t[i] < limits[i])) continue;
-            if (t[i] == 0) count_start_inside(packets[p].departure[static_cast<std::size_t>(i)], statistics_);
-            blocked |= 1u << (static_cast<int>(p) * width + i), limits[i] = -1;
+        for (int i = 0; i < rays.count; ++i) {
+            if (!(t[i] < limits_[i])) continue;
+            if (t[i] == 0) count_start_inside(rays.departure[static_cast<std::size_t>(i)], statistics_);
+            blocked |= 1u << i, limits_[i] = -1;
         }
-        set_limits(p);
+        set_limits();
     });
-    for (std::size_t p = 0; p < packets.size() && !world_.sheets.empty(); ++p)
-        for (int i = 0; i < packets[p].count; ++i) {
-            const unsigned bit = 1u << (static_cast<int>(p) * width + i);
-            if (blocked & bit) continue;
-            single_.start(packets[p].ray(i));
-            for (const Sheet& sheet : world_.sheets)
-                if (single_.is_blocked_by(sheet, distances[p][i])) blocked |= bit;
-        }
+    return blocked | blocked_by_sheets(distances, ~blocked);
+}
+
+// Which of the rays `among` a packet's are blocked by sheets.
+unsigned PacketThroughWorld::blocked_by_sheets(const Lanes& distances, unsigned among) {
+    unsigned blocked = 0;
+    if (world_.sheets.empty()) return blocked;
+    for (unsigned rest = among & packet_->lanes(); rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        single_.start(packet_->ray(i));
+        for (const Sheet& sheet : world_.sheets)
+            if (single_.is_blocked_by(sheet, distances[i])) blocked |= 1u << i;
+    }
     return blocked;
 }
 
 // ---- transparent Worlds ----------------------------------------------------------------------------------------------
 
-void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::span<ChangePacket> changes) {
-    std::array<Stretch, most_packets> stretches;
-    for (Stretch& stretch : stretches) stretch.from.v.fill(0), stretch.limit.v.fill(infinity);
-    first_changes(packets, std::span(stretches).first(packets.size()), changes);
-}
-
-void PacketThroughWorld::first_changes(std::span<const RayPacket> packets, std::span<const Stretch> stretches,
-                                       std::span<ChangePacket> changes) {
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        froms_[p] = stretches[p].from, limits_[p] = stretches[p].limit;
-        BoundaryPacket& first = changes[p].first;
-        first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
-        first.starts_inside = 0;
-        changes[p].face.fill(-1);
-        changes[p].unclear = 0;
-        starts_[p].first.fill(-1), starts_[p].second.fill(-1);
-        starts_[p].leaves_first = 0, starts_[p].shared = 0;
-    }
-    start(packets);
-    for_each_solid<Order::near_first>([&](std::size_t p, std::int32_t solid) { change_at_solid(p, solid, changes[p]); });
-    for (std::size_t p = 0; p < packets.size(); ++p) finish_changes(p, changes[p]);
+void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, ChangePacket& changes) {
+    from_ = stretch.from, limits_ = stretch.limit;
+    BoundaryPacket& first = changes.first;
+    first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
+    first.starts_inside = 0;
+    changes.face.fill(-1);
+    changes.unclear = 0;
+    starts_.first.fill(-1), starts_.second.fill(-1);
+    starts_.leaves_first = 0, starts_.shared = 0;
+    start(rays);
+    for_each_solid<Order::near_first>([&](std::int32_t solid) { change_at_solid(solid, changes); });
+    finish_changes(changes);
 }
 
 namespace {
@@ -352,17 +328,16 @@ bool PacketThroughWorld::takes_precedence(std::int32_t solid, std::int32_t other
 }
 
 // A ray that is in a solid where its stretch begins meets its box before, whatever its limit: all owners of that cell are seen.
-void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index, ChangePacket& changes) {
+void PacketThroughWorld::change_at_solid(std::int32_t index, ChangePacket& changes) {
     const Solid& solid = world_.solids[index];
     if (!solid.fits_lanes) {
-        change_at_solid_of_single(packet, index, changes);
+        change_at_solid_of_single(index, changes);
         return;
     }
-    Lanes& limits = limits_[packet];
     PacketThroughSolid::Changes found;
-    solids_[packet].next_change(solid, froms_[packet], limits, found);
+    solid_.next_change(solid, from_, limits_, found);
     changes.unclear |= found.doubtful;
-    Starts& starts = starts_[packet];
+    Starts& starts = starts_;
     for (unsigned rest = found.inside; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
         std::int32_t behind = index;
@@ -370,30 +345,28 @@ void PacketThroughWorld::change_at_solid(std::size_t packet, std::int32_t index,
         if (takes_precedence(behind, starts.second[lane])) starts.second[lane] = behind;
     }
 
-    const CloserLanes met = take_closer_changes(found, changes, limits);
+    const CloserLanes met = take_closer_changes(found, changes, limits_);
     for (unsigned rest = met.closer; rest != 0; rest &= rest - 1) changes.first.solid[std::countr_zero(rest)] = index;
     starts.leaves_first = (starts.leaves_first & ~met.closer) | (found.inside & met.closer);
     starts.shared = (starts.shared & ~met.closer) | met.shared;
-    if (met.closer != 0) set_limits(packet);
+    if (met.closer != 0) set_limits();
 }
 
 // Of a solid that does not fit lanes, only where it counts is found: the single ray has to say what it is.
-void PacketThroughWorld::change_at_solid_of_single(std::size_t packet, std::int32_t index, ChangePacket& changes) {
-    Lanes& limits = limits_[packet];
-    for (int i = 0; i < packets_[packet].count; ++i) {
-        if (!(limits[i] >= 0)) continue;
-        const PacketThroughSolid::FirstChange found =
-            solids_[packet].next_change_of_single(world_.solids[index], froms_[packet][i], i);
+void PacketThroughWorld::change_at_solid_of_single(std::int32_t index, ChangePacket& changes) {
+    for (int i = 0; i < packet_->count; ++i) {
+        if (!(limits_[i] >= 0)) continue;
+        const PacketThroughSolid::FirstChange found = solid_.next_change_of_single(world_.solids[index], from_[i], i);
         changes.unclear |= static_cast<unsigned>(found.inside) << i;
         if (!(found.t <= changes.first.t[i]) || found.t == infinity) continue;
-        changes.first.t[i] = limits[i] = found.t;
-        starts_[packet].shared |= 1u << i;
+        changes.first.t[i] = limits_[i] = found.t;
+        starts_.shared |= 1u << i;
     }
-    set_limits(packet);
+    set_limits();
 }
 
-void PacketThroughWorld::finish_changes(std::size_t packet, ChangePacket& changes) {
-    const Starts& starts = starts_[packet];
+void PacketThroughWorld::finish_changes(ChangePacket& changes) {
+    const Starts& starts = starts_;
     changes.unclear |= starts.shared;
     for (int i = 0; i < width; ++i) {
         const auto lane = static_cast<std::size_t>(i);
@@ -404,7 +377,7 @@ void PacketThroughWorld::finish_changes(std::size_t packet, ChangePacket& change
         changes.before[lane] = owner, changes.after[lane] = after;
     }
     if (world_.sheets.empty()) return;
-    meet_sheets(packet, froms_[packet], changes.first);
+    meet_sheets(from_, changes.first);
     for (int i = 0; i < width; ++i) {
         const auto lane = static_cast<std::size_t>(i);
         const bool is_sheet = changes.first.leaf[lane] >= 0 && changes.first.solid[lane] < 0;
@@ -413,42 +386,34 @@ void PacketThroughWorld::finish_changes(std::size_t packet, ChangePacket& change
 }
 
 // Which rays enter a solid before their limits.
-unsigned PacketThroughWorld::reached(std::size_t packet, std::int32_t index) {
-    const Lanes& limits = limits_[packet];
+unsigned PacketThroughWorld::reached(std::int32_t index) {
     Lanes t;
     PacketThroughSolid::LeafLanes leaf;
-    solids_[packet].enter(world_.solids[index], limits, t, leaf);
+    solid_.enter(world_.solids[index], limits_, t, leaf);
     unsigned bits = 0;
-    for (int i = 0; i < width; ++i) bits |= static_cast<unsigned>(t[i] < limits[i]) << i;
-    return bits & ((1u << packets_[packet].count) - 1);
+    for (int i = 0; i < width; ++i) bits |= static_cast<unsigned>(t[i] < limits_[i]) << i;
+    return bits & packet_->lanes();
 }
 
 // What blocks does so whatever else is on the way, and what is clear changes nothing: no order has to be found out.
-PacketThroughWorld::Shadows PacketThroughWorld::shadows(std::span<const RayPacket> packets, std::span<const Lanes> distances) {
-    for (std::size_t p = 0; p < packets.size(); ++p) limits_[p] = distances[p];
-    start(packets);
+PacketThroughWorld::Shadows PacketThroughWorld::shadows(const RayPacket& rays, const Lanes& distances) {
+    limits_ = distances;
+    start(rays);
     Shadows shadows;
-    for_each_solid<Order::any>([&](std::size_t p, std::int32_t index) {
+    for_each_solid<Order::any>([&](std::int32_t index) {
         const Solid::Shadow shadow = world_.solids[index].shadow;
         if (shadow == Solid::Shadow::clear) return;
-        const unsigned bits = reached(p, index), first = static_cast<unsigned>(p) * width;
+        const unsigned bits = reached(index);
         if (shadow == Solid::Shadow::asked) {
-            shadows.asked |= bits << first;
+            shadows.asked |= bits;
             return;
         }
-        shadows.blocked |= bits << first;
-        for (unsigned rest = bits; rest != 0; rest &= rest - 1) limits_[p][std::countr_zero(rest)] = -1;
-        if (bits != 0) set_limits(p);
+        shadows.blocked |= bits;
+        for (unsigned rest = bits; rest != 0; rest &= rest - 1) limits_[std::countr_zero(rest)] = -1;
+        if (bits != 0) set_limits();
     });
     // Sheets block, too, but where they lie on other faces these may be met in their place.
-    for (std::size_t p = 0; p < packets.size() && !world_.sheets.empty(); ++p)
-        for (int i = 0; i < packets[p].count; ++i) {
-            const unsigned bit = 1u << (static_cast<int>(p) * width + i);
-            if ((shadows.blocked | shadows.asked) & bit) continue;
-            single_.start(packets[p].ray(i));
-            for (const Sheet& sheet : world_.sheets)
-                if (single_.is_blocked_by(sheet, distances[p][i])) shadows.blocked |= bit;
-        }
+    shadows.blocked |= blocked_by_sheets(distances, ~(shadows.blocked | shadows.asked));
     shadows.asked &= ~shadows.blocked;
     return shadows;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Eight rays in lanes: each quantity stands in one array for all of them, so that a plain loop over the lanes becomes vector
+// Rays in lanes: each quantity stands in one array for all of them, so that a plain loop over the lanes becomes vector
 // instructions.
 #pragma once
 
@@ -43,6 +43,7 @@ struct RayPacket {
 
     void clear() { count = 0, departs = false; }
     bool is_full() const { return count == width; }
+    unsigned lanes() const { return (1u << count) - 1; }  // that hold rays: bit i for ray i
 
     void add(const Ray& ray) {
         const int lane = count++;

@@ -21,7 +21,7 @@ struct LightSample {
     double u = 0.5, v = 0.5;
 };
 
-// The same for eight points at once.
+// The same for a batch of points at once.
 struct alignas(64) LightSampleBatch {
     double u[batch_size], v[batch_size];
 

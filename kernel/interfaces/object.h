@@ -35,9 +35,9 @@ struct Span {
 
 inline Span intersect(const Span& a, const Span& b) { return {a.in > b.in ? a.in : b.in, a.out < b.out ? a.out : b.out}; }
 
-// What crosses the boundary for eight lines at once: plain arrays, so that libraries built for different instruction
+// What crosses the boundary for a batch of lines at once: plain arrays, so that libraries built for different instruction
 // sets fit together.
-inline constexpr int batch_size = 8;
+inline constexpr int batch_size = 16;
 
 struct alignas(64) LineBatch {
     double closest_x[batch_size], closest_y[batch_size], closest_z[batch_size];

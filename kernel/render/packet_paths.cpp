@@ -64,10 +64,7 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     Wave& wave = *waves_[depth];
     wave.fill_up();
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; p += PacketThroughWorld::most_packets) {
-        const std::size_t count = std::min(PacketThroughWorld::most_packets, packets - p);
-        packet_.first_boundaries(std::span(wave.rays).subspan(p, count), std::span(wave.boundaries).subspan(p, count));
-    }
+    for (std::size_t p = 0; p < packets; ++p) packet_.first_boundaries(wave.rays[p], wave.boundaries[p]);
     face_packets_ = 0;
     collect_faces(wave, first);
     light_faces();
@@ -106,8 +103,9 @@ void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
         else
             wave.colours[i] = world_.background;
     }
+    constexpr std::uint64_t all_lanes = (1u << width) - 1;
     for (int packet = 0; packet < wave.count / width; ++packet) {
-        const std::uint64_t rays = std::uint64_t{0xff} << (packet * width);
+        const std::uint64_t rays = all_lanes << (packet * width);
         if ((waiting & rays) != rays || !wave.boundaries[packet].are_of_one_leaf() || !is_plain(wave, packet * width)) continue;
         meet_one_leaf(wave, packet, first);
         waiting &= ~rays;
@@ -368,14 +366,14 @@ void PacketPaths::FacePacket::fill_up() {
 
 void PacketPaths::light_faces() {
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
-    shadows_.clear(), dimmed_.clear();
+    shadows_.rays.clear(), dimmed_.rays.clear();
     AimedLights aimed;
     for (const auto& light : world_.lights) {
         for (std::size_t p = 0; p < face_packets_; ++p) {
             aim(*light, *faces_[p], aimed);
             send_shadow_rays(*faces_[p], aimed);
         }
-        cast_shadows();
+        cast_shadows(shadows_);
         cast_dimmed_shadows();
     }
 }
@@ -433,8 +431,10 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
 }
 
 // Shadow rays to a light for all lanes, also those that it does not reach.
-void PacketPaths::aim_shadow_rays(FacePacket& __restrict faces, const AimedLights& __restrict aimed, RayPacket& __restrict rays,
-                                  Lanes& __restrict distances, Gains& __restrict gains) {
+void PacketPaths::aim_shadow_rays(FacePacket& __restrict faces, const AimedLights& __restrict aimed,
+                                  Shadows& __restrict shadows) {
+    RayPacket& rays = shadows.rays;
+    Gains& gains = shadows.gains;
     const IlluminationBatch& light = aimed.illumination;
     rays.count = width, rays.departs = true;
     rays.anchor = faces.anchor, rays.offset = faces.offset;
@@ -444,7 +444,7 @@ void PacketPaths::aim_shadow_rays(FacePacket& __restrict faces, const AimedLight
         const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
         rays.direction.set(i, direction);
         outward[i] = dot(direction, faces.outward[i]), ahead[i] = dot(direction, faces.geometric[i]);
-        distances[i] = end_before_light(faces.points.point(i), light.distance[i]);
+        shadows.distances[i] = end_before_light(faces.points.point(i), light.distance[i]);
     }
     for (int i = 0; i < width; ++i) gains.radiance.set(i, Colour{light.r[i], light.g[i], light.b[i]});
     for (int i = 0; i < width; ++i) gains.to_light[i] = light.distance[i];
@@ -462,75 +462,43 @@ void PacketPaths::Gains::take(int to, const Gains& other, int from) {
     faces[to] = other.faces[from], lane[to] = other.lane[from];
 }
 
-std::size_t PacketPaths::Shadows::packets() const {
-    return static_cast<std::size_t>(std::count_if(rays.begin(), rays.end(), [](const RayPacket& r) { return r.count > 0; }));
+void PacketPaths::Shadows::take(const Shadows& other, int lane) {
+    const int to = rays.count;
+    rays.add(other.rays.ray(lane));
+    distances[to] = other.distances[lane];
+    gains.take(to, other.gains, lane);
 }
 
-unsigned PacketPaths::Shadows::lanes() const {
-    unsigned lanes = 0;
-    for (std::size_t p = 0; p < rays.size(); ++p) lanes |= ((1U << rays[p].count) - 1) << (p * width);
-    return lanes;
-}
-
-void PacketPaths::Shadows::clear() {
-    for (RayPacket& packet : rays) packet.clear();
-}
-
-void PacketPaths::Shadows::fill_up() {
-    for (std::size_t p = 0; p < packets(); ++p) rays[p].fill_up();
-}
-
-void PacketPaths::Shadows::take(std::size_t packet, const RayPacket& from_rays, const Lanes& from_distances, const Gains& from,
-                                int lane) {
-    const int to = rays[packet].count;
-    rays[packet].add(from_rays.ray(lane));
-    distances[packet][to] = from_distances[lane];
-    gains[packet].take(to, from, lane);
-}
-
-// A packet of shadow rays that are not on their way yet, of so few or none; where there is none, those that wait go first.
-std::size_t PacketPaths::shadow_packet(int most_rays) {
-    if (const std::size_t p = shadows_.packet_of(most_rays); p < shadows_.rays.size()) return p;
-    cast_shadows();
-    return 0;
-}
-
+// A packet that has a ray in each lane goes at once; rays of others wait for company.
 void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
-    constexpr unsigned all = (1u << width) - 1;
-    if (aimed.arrives == all) {
-        const std::size_t p = shadow_packet(0);
-        aim_shadow_rays(faces, aimed, shadows_.rays[p], shadows_.distances[p], shadows_.gains[p]);
+    if (aimed.arrives == 0) return;
+    aim_shadow_rays(faces, aimed, aimed_shadows_);
+    if (aimed.arrives == aimed_shadows_.rays.lanes()) {
+        cast_shadows(aimed_shadows_);
         return;
     }
-    if (aimed.arrives == 0) return;
-    RayPacket rays;
-    Lanes distances;
-    Gains gains;
-    aim_shadow_rays(faces, aimed, rays, distances, gains);
     for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
-        const std::size_t p = shadow_packet(width - 1);
-        shadows_.take(p, rays, distances, gains, std::countr_zero(rest));
+        shadows_.take(aimed_shadows_, std::countr_zero(rest));
+        if (shadows_.rays.is_full()) cast_shadows(shadows_);
     }
 }
 
-void PacketPaths::cast_shadows() {
-    if (shadows_.is_empty()) return;
-    shadows_.fill_up();
-    const std::span rays = std::span(shadows_.rays).first(shadows_.packets());
-    const std::span distances = std::span(shadows_.distances).first(rays.size());
+void PacketPaths::cast_shadows(Shadows& shadows) {
+    RayPacket& rays = shadows.rays;
+    if (rays.count == 0) return;
+    rays.fill_up();
     const PacketThroughWorld::Shadows met = world_.features.transparency
-                                                ? packet_.shadows(rays, distances)
-                                                : PacketThroughWorld::Shadows{packet_.blocked(rays, distances), 0};
-    const unsigned all = shadows_.lanes();
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(std::popcount(all));
-    for (unsigned rest = all & ~met.blocked; rest != 0; rest &= rest - 1) {
-        const int shadow = std::countr_zero(rest);
-        if ((met.asked >> shadow & 1) != 0)
-            dim_later(shadow);
+                                                ? packet_.shadows(rays, shadows.distances)
+                                                : PacketThroughWorld::Shadows{packet_.blocked(rays, shadows.distances), 0};
+    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(rays.count);
+    for (unsigned rest = rays.lanes() & ~met.blocked; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest);
+        if ((met.asked >> lane & 1) != 0)
+            dim_later(shadows, lane);
         else
-            light_face(shadows_.gains[shadow / width], shadow % width, Colour::white());
+            light_face(shadows.gains, lane, Colour::white());
     }
-    shadows_.clear();
+    rays.clear();
 }
 
 void PacketPaths::light_face(const Gains& gains, int ray, const Colour& passed) {

@@ -6,8 +6,8 @@
 //
 // which are the next wave. Where matter is transparent (packet_paths_through_matter.cpp), first changes of it take the place of
 // boundaries, and refracted rays join the mirrored ones; a ray that has to do with anything unusual is traced by itself. In each
-// stage eight rays stand in lanes; what all rays of a stage share (the leaf's placement, its matter, the light) is looked up
-// once. Colours are put together in the order of the single path, to the same bits.
+// stage the rays of a packet stand in lanes; what all rays of a stage share (the leaf's placement, its matter, the light) is
+// looked up once. Colours are put together in the order of the single path, to the same bits.
 #pragma once
 
 #include <array>
@@ -91,7 +91,7 @@ private:
         bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
 
-    // Eight faces that rays of a wave have met, with all that shading asks: an Encounter in lanes.
+    // Faces that rays of a wave have met, with all that shading asks: an Encounter in lanes.
     struct FacePacket {
         int count = 0;
         std::array<std::int32_t, width> ray;  // number in the wave
@@ -134,25 +134,13 @@ private:
 
         void take(int to, const Gains& other, int from);
     };
-    // Shadow rays on their way, in packets of which not every one is full; ray i stands in lane i % width of packet i / width.
+    // Shadow rays, each with what it adds where nothing is in the way.
     struct Shadows {
-        static constexpr int most = static_cast<int>(PacketThroughWorld::most_packets) * width;
-        std::array<RayPacket, PacketThroughWorld::most_packets> rays;
-        std::array<Lanes, PacketThroughWorld::most_packets> distances;
-        std::array<Gains, PacketThroughWorld::most_packets> gains;
+        RayPacket rays;
+        Lanes distances;
+        Gains gains;
 
-        bool is_empty() const { return rays[0].count == 0; }
-        std::size_t packets() const;  // that have rays
-        unsigned lanes() const;       // that have rays: bit i for ray i
-        // The first packet of so many rays or fewer; none: most_packets.
-        std::size_t packet_of(int most_rays) const {
-            std::size_t p = 0;
-            while (p < rays.size() && rays[p].count > most_rays) ++p;
-            return p;
-        }
-        void take(std::size_t packet, const RayPacket& from_rays, const Lanes& from_distances, const Gains& from, int lane);
-        void clear();
-        void fill_up();
+        void take(const Shadows& other, int lane);
     };
 
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
@@ -179,9 +167,8 @@ private:
     void begin_light(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
-    static void aim_shadow_rays(FacePacket& faces, const AimedLights& aimed, RayPacket& rays, Lanes& distances, Gains& gains);
-    std::size_t shadow_packet(int most_rays);
-    void cast_shadows();
+    static void aim_shadow_rays(FacePacket& faces, const AimedLights& aimed, Shadows& shadows);
+    void cast_shadows(Shadows& shadows);
     static void light_face(const Gains& gains, int ray, const Colour& passed);
     void finish_colours(std::size_t depth);
     void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
@@ -211,9 +198,9 @@ private:
     void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);
     void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
               Tracer::Implementation::Turn turn);
-    void dim_later(int shadow);
+    void dim_later(const Shadows& shadows, int lane);
     void cast_dimmed_shadows();
-    bool dim(int shadow, const ChangePacket& changes, double from, Colour& passed);
+    bool dim(int lane, const ChangePacket& changes, double from, Colour& passed);
     Label label_of(std::int32_t solid) const;
     Boundary boundary_of(const ChangePacket& changes, int lane) const;
 
@@ -225,8 +212,9 @@ private:
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;
-    Shadows shadows_;
-    Shadows dimmed_;  // of these, those that meet matter which may dim them
+    Shadows aimed_shadows_;
+    Shadows shadows_;  // that wait for company
+    Shadows dimmed_;   // that meet matter which may dim them
 };
 
 }  // namespace lapidary

@@ -50,11 +50,8 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
 void PacketPaths::find_changes(Wave& wave) {
     const std::size_t begin = static_cast<std::size_t>(wave.begin) / width;
     const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; p += PacketThroughWorld::most_packets) {
-        const std::size_t count = std::min(PacketThroughWorld::most_packets, packets - p);
-        packet_.first_changes(std::span(wave.rays).subspan(begin + p, count), std::span(wave.stretches).subspan(begin + p, count),
-                              std::span(wave.changes).subspan(p, count));
-    }
+    for (std::size_t p = 0; p < packets; ++p)
+        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], wave.changes[p]);
 }
 
 // ---- faces -----------------------------------------------------------------------------------------------------------
@@ -336,56 +333,45 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
 // ---- shadows in colours ----------------------------------------------------------------------------------------------
 
 // A shadow ray that nothing blocks for certain, to be followed through what it meets before the next light's turn.
-void PacketPaths::dim_later(int shadow) {
-    const auto from = static_cast<std::size_t>(shadow / width);
-    if (dimmed_.packet_of(width - 1) == dimmed_.rays.size()) cast_dimmed_shadows();
-    dimmed_.take(dimmed_.packet_of(width - 1), shadows_.rays[from], shadows_.distances[from], shadows_.gains[from],
-                 shadow % width);
+void PacketPaths::dim_later(const Shadows& shadows, int lane) {
+    if (dimmed_.rays.is_full()) cast_dimmed_shadows();
+    dimmed_.take(shadows, lane);
 }
 
 // Tracer::Implementation::light_through for all lanes, from change to change.
 void PacketPaths::cast_dimmed_shadows() {
-    if (dimmed_.is_empty()) return;
-    const std::size_t packets = dimmed_.packets();
-    const unsigned all = dimmed_.lanes();
-    std::array<PacketThroughWorld::Stretch, PacketThroughWorld::most_packets> stretches;
-    std::array<ChangePacket, PacketThroughWorld::most_packets> changes;
-    std::array<Colour, Shadows::most> passed;
+    if (dimmed_.rays.count == 0) return;
+    const unsigned all = dimmed_.rays.lanes();
+    PacketThroughWorld::Stretch stretch;
+    ChangePacket changes;
+    std::array<Colour, width> passed;
     passed.fill(Colour::white());
-    dimmed_.fill_up();
-    for (std::size_t p = 0; p < dimmed_.rays.size(); ++p) {
-        stretches[p].from.v.fill(0), stretches[p].limit.v.fill(-1);
-        for (int lane = 0; lane < dimmed_.rays[p].count; ++lane) stretches[p].limit[lane] = dimmed_.gains[p].to_light[lane];
-    }
+    dimmed_.rays.fill_up();
+    stretch.from.v.fill(0), stretch.limit.v.fill(-1);
+    for (int lane = 0; lane < dimmed_.rays.count; ++lane) stretch.limit[lane] = dimmed_.gains.to_light[lane];
 
     for (unsigned under_way = all; under_way != 0;) {
-        packet_.first_changes(std::span(dimmed_.rays).first(packets), std::span(stretches).first(packets), changes);
+        packet_.first_changes(dimmed_.rays, stretch, changes);
         for (unsigned rest = under_way; rest != 0; rest &= rest - 1) {
-            const int i = std::countr_zero(rest);
-            PacketThroughWorld::Stretch& stretch = stretches[i / width];
-            const ChangePacket& met = changes[i / width];
-            const bool goes_on = dim(i, met, stretch.from[i % width], passed[i]);
-            stretch.from[i % width] = met.first.t[i % width];
+            const int lane = std::countr_zero(rest);
+            const bool goes_on = dim(lane, changes, stretch.from[lane], passed[lane]);
+            stretch.from[lane] = changes.first.t[lane];
             if (goes_on) continue;
-            stretch.limit[i % width] = -1;
-            under_way &= ~(1U << i);
+            stretch.limit[lane] = -1;
+            under_way &= ~(1U << lane);
         }
     }
-    for (unsigned rest = all; rest != 0; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        light_face(dimmed_.gains[i / width], i % width, passed[i]);
-    }
-    dimmed_.clear();
+    for (int lane = 0; lane < dimmed_.rays.count; ++lane) light_face(dimmed_.gains, lane, passed[lane]);
+    dimmed_.rays.clear();
 }
 
 // What the matter up to the next change, and the face there, leave of the light. Whether the way goes on behind it.
-bool PacketPaths::dim(int shadow, const ChangePacket& changes, double from, Colour& passed) {
-    const int lane = shadow % width;
-    const RayPacket& rays = dimmed_.rays[shadow / width];
-    const double to_light = dimmed_.gains[shadow / width].to_light[lane];
+bool PacketPaths::dim(int lane, const ChangePacket& changes, double from, Colour& passed) {
+    const RayPacket& rays = dimmed_.rays;
+    const double to_light = dimmed_.gains.to_light[lane];
     const Boundary boundary = boundary_of(changes, lane);
     const bool changes_here = !(boundary.before == boundary.after);
-    const bool at_light = boundary.t >= dimmed_.distances[shadow / width][lane];
+    const bool at_light = boundary.t >= dimmed_.distances[lane];
     if ((changes.unclear >> lane & 1) != 0 || (!at_light && changes_here && boundary.leaf < 0)) {
         passed = tracer_.light_through(rays.ray(lane), to_light);
         return false;

@@ -81,7 +81,7 @@ constexpr int even_bits(unsigned x) {
     return static_cast<int>((x | (x >> 4)) & 0x00ffu);
 }
 
-// The pixels of a block along the Z-shaped curve of Morton: each eight of them are close together.
+// The pixels of a block along the Z-shaped curve of Morton: those that stand next to each other in a packet are close together.
 constexpr std::array<Place, most_rays> pixels_of_block = [] {
     std::array<Place, most_rays> pixels;
     for (unsigned code = 0; code < most_rays; ++code) pixels[code] = {even_bits(code), even_bits(code >> 1)};
@@ -149,7 +149,7 @@ double processor_time() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// The middles of eight pixels, and the keys of their first samples.
+// The middles of the pixels of a packet, and the keys of their first samples.
 void set_middles(std::span<const Place, batch_size> pixels, std::uint32_t sequence, CameraRays::Places& places) {
     std::array<std::uint32_t, batch_size> x, y, key;
     for (std::size_t i = 0; i < batch_size; ++i) {

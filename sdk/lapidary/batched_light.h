@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The shortest way to a light that answers for eight points at once: the author writes two scalar functions,
+// The shortest way to a light that answers for a batch of points at once: the author writes two scalar functions,
 //
 //     Illumination from_middle(const Point& point) const;                              a light without extent
 //     Illumination from_sample(const Point& point, const LightSample& sample) const;   a place on one that has it

@@ -4,7 +4,7 @@
 //
 //     Span span(const LocalLine& line) const;
 //
-// and gets both forms of Object::spans from it. Kept inline, the compiler turns the loop over eight lines into vector
+// and gets both forms of Object::spans from it. Kept inline, the compiler turns the loop over the lines of a batch into vector
 // instructions; early returns do not hinder it.
 #pragma once
 

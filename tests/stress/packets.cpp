@@ -32,39 +32,33 @@ public:
 
     const World& world() const { return *world_; }
 
+    // Packets of all lengths.
     void add(const Ray& ray, double distance) {
-        RayPacket& packet = waiting_[static_cast<std::size_t>(packet_count_)];
-        if (packet.count == 0) length_ = 1 + static_cast<int>(random_() % width);
-        waiting_distances_[static_cast<std::size_t>(packet_count_)][packet.count] = distance;
-        packet.add(ray);
-        if (packet.count < length_) return;
-        packet.fill_up();
-        ++packet_count_;
-        if (packet_count_ == 2 || random_() % 4 == 0) compare();
+        if (waiting_.count == 0) length_ = 1 + static_cast<int>(random_() % width);
+        distances_[waiting_.count] = distance;
+        waiting_.add(ray);
+        if (waiting_.count == length_) compare();
     }
 
     int met = 0, blocked = 0, different = 0;
 
 private:
     void compare() {
-        const auto count = static_cast<std::size_t>(packet_count_);
-        std::array<BoundaryPacket, 2> boundaries;
-        packets_->first_boundaries(std::span(waiting_).first(count), std::span(boundaries).first(count));
-        const unsigned bits = packets_->blocked(std::span(waiting_).first(count), std::span(waiting_distances_).first(count));
-        for (std::size_t p = 0; p < count; ++p)
-            for (int i = 0; i < waiting_[p].count; ++i) {
-                single_->start(waiting_[p].ray(i));
-                const Boundary expected = single_->next(0, Label{});
-                const bool is_blocked = single_->is_blocked(waiting_distances_[p][i]);
-                const bool same =
-                    boundaries[p].t[i] == expected.t && boundaries[p].solid[static_cast<std::size_t>(i)] == expected.solid;
-                const bool same_shadow = is_blocked == (((bits >> (static_cast<int>(p) * width + i)) & 1) != 0);
-                different += !same + !same_shadow;
-                met += expected.t < infinity;
-                blocked += is_blocked;
-            }
-        for (RayPacket& packet : waiting_) packet.clear();
-        packet_count_ = 0;
+        waiting_.fill_up();
+        BoundaryPacket boundaries;
+        packets_->first_boundaries(waiting_, boundaries);
+        const unsigned bits = packets_->blocked(waiting_, distances_);
+        for (int i = 0; i < waiting_.count; ++i) {
+            single_->start(waiting_.ray(i));
+            const Boundary expected = single_->next(0, Label{});
+            const bool is_blocked = single_->is_blocked(distances_[i]);
+            const bool same = boundaries.t[i] == expected.t && boundaries.solid[static_cast<std::size_t>(i)] == expected.solid;
+            const bool same_shadow = is_blocked == ((bits >> i & 1) != 0);
+            different += !same + !same_shadow;
+            met += expected.t < infinity;
+            blocked += is_blocked;
+        }
+        waiting_.clear();
     }
 
     std::unique_ptr<test::BuiltScene> built_;
@@ -73,9 +67,9 @@ private:
     std::unique_ptr<PacketThroughWorld> packets_;
     std::unique_ptr<RayThroughWorld> single_;
     std::mt19937 random_{7};
-    std::array<RayPacket, 2> waiting_;
-    std::array<Lanes, 2> waiting_distances_;
-    int packet_count_ = 0, length_ = 1;
+    RayPacket waiting_;
+    Lanes distances_;
+    int length_ = 1;
 };
 
 // Small solids of several kinds, scattered about a place, all sizes times a scale.
