@@ -110,7 +110,8 @@ class Parser {
 public:
     Parser(std::string name, std::string description) : app_(std::move(description), std::move(name)) {
         app_.set_help_flag("-?,-h,--help", "Show this help.");
-        app_.set_version_flag("--version", "lapidary " LAPIDARY_VERSION, "Show the version.");
+        app_.set_version_flag("--version", fmt::format("lapidary {} for {}", LAPIDARY_VERSION, kernel_level()),
+                              "Show the version.");
         app_.get_formatter()->column_width(32);
     }
 

@@ -9,6 +9,7 @@
 #include "apps/lapidary/progress.h"
 #include "kernel/prepare/world.h"
 #include "kernel/registry/registry.h"
+#include "kernel/registry/search_path.h"
 #include "kernel/scene/print.h"
 
 namespace lapidary {
@@ -104,6 +105,7 @@ std::string summary(const RenderRecord& record) {
 
 std::vector<std::string> statistics(const RenderRecord& record) {
     std::vector<std::string> lines;
+    lines.push_back(fmt::format("instruction set {}", kernel_level()));
     lines.push_back(fmt::format("{} plugins opened, {} passed over", record.plugins.size(), record.plugins_passed_over));
     lines.push_back(
         fmt::format("modules opened: {}; passed over: {}", list(record.modules.opened), list(record.modules.passed_over)));

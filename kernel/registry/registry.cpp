@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <exception>
@@ -11,6 +12,7 @@
 #include <system_error>
 
 #include "kernel/registry/library.h"
+#include "kernel/registry/search_path.h"
 
 namespace lapidary {
 
@@ -27,14 +29,21 @@ bool is_keyword(std::string_view stem) {
     return !stem.empty() && std::ranges::all_of(stem, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
+// Where a folder of the search path has libraries of one kind: first those for the kernel's own instruction set.
+std::array<fs::path, 2> library_folders(const fs::path& folder, PluginKind kind) {
+    return {folder / kernel_level() / folder_of(kind), folder / folder_of(kind)};
+}
+
 // The stems and files of one kind in one folder, sorted; nothing where the folder cannot be read.
 std::map<std::string, fs::path> plugin_files(const fs::path& folder, PluginKind kind) {
     std::map<std::string, fs::path> files;
-    std::error_code error;
-    fs::directory_iterator entry(folder / folder_of(kind), error);
-    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-        const fs::path& file = entry->path();
-        if (file.extension() == library_suffix && is_keyword(file.stem().string())) files.emplace(file.stem().string(), file);
+    for (const fs::path& libraries : library_folders(folder, kind)) {
+        std::error_code error;
+        fs::directory_iterator entry(libraries, error);
+        for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+            const fs::path& file = entry->path();
+            if (file.extension() == library_suffix && is_keyword(file.stem().string())) files.emplace(file.stem().string(), file);
+        }
     }
     return files;
 }
@@ -182,12 +191,13 @@ Registry::Slot* Registry::slot(PluginKind kind, std::string_view keyword) {
     auto key = std::pair(kind, std::string(keyword));
     if (const auto known = slots_.find(key); known != slots_.end()) return known->second.get();
     const std::string name = key.second + library_suffix;
-    for (const fs::path& folder : search_path_) {
-        fs::path file = folder / folder_of(kind) / name;
-        std::error_code error;
-        if (!fs::exists(file, error)) continue;
-        return slots_.emplace(std::move(key), std::make_unique<Slot>(std::move(file))).first->second.get();
-    }
+    for (const fs::path& folder : search_path_)
+        for (const fs::path& libraries : library_folders(folder, kind)) {
+            fs::path file = libraries / name;
+            std::error_code error;
+            if (!fs::exists(file, error)) continue;
+            return slots_.emplace(std::move(key), std::make_unique<Slot>(std::move(file))).first->second.get();
+        }
     return nullptr;
 }
 

@@ -36,6 +36,16 @@ fs::path absolute_folder(const fs::path& folder) {
     return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
+// The folder that the dynamic loader has taken this library from.
+fs::path folder_of_this_library() {
+    Dl_info library;
+    if (dladdr(reinterpret_cast<const void*>(&folder_of_this_library), &library) == 0 || !library.dli_fname) return {};
+    return absolute_folder(library.dli_fname).parent_path();
+}
+
+// Whether it is lib/glibc-hwcaps/LEVEL, where the loader looks first on a machine of that level.
+bool is_of_level(const fs::path& folder) { return folder.parent_path().filename() == "glibc-hwcaps"; }
+
 }  // namespace
 
 std::vector<fs::path> split_path_list(std::string_view list) {
@@ -49,9 +59,13 @@ std::vector<fs::path> split_path_list(std::string_view list) {
 }
 
 fs::path kernel_folder() {
-    Dl_info library;
-    if (dladdr(reinterpret_cast<const void*>(&kernel_folder), &library) == 0 || !library.dli_fname) return {};
-    return absolute_folder(library.dli_fname).parent_path();
+    const fs::path folder = folder_of_this_library();
+    return is_of_level(folder) ? folder.parent_path().parent_path() : folder;
+}
+
+std::string kernel_level() {
+    const fs::path folder = folder_of_this_library();
+    return is_of_level(folder) ? folder.filename().string() : LAPIDARY_FIRST_LEVEL;
 }
 
 SearchPath plugin_search_path(const SearchPathSources& sources) {

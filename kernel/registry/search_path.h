@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -37,7 +38,11 @@ LAPIDARY_API SearchPath plugin_search_path(const SearchPathSources& sources);
 // "a:b/c" -> a, b/c; empty parts are left out.
 LAPIDARY_API std::vector<std::filesystem::path> split_path_list(std::string_view list);
 
-// The folder of the kernel's own shared library.
+// The folder of the kernel's own shared library; where it was taken from lib/glibc-hwcaps/LEVEL, lib.
 LAPIDARY_API std::filesystem::path kernel_folder();
+
+// The instruction set that the kernel was built for, "x86-64-v3": the dynamic loader has chosen the best that is there and that
+// the machine has.
+LAPIDARY_API std::string kernel_level();
 
 }  // namespace lapidary

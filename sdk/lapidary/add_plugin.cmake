@@ -4,12 +4,23 @@
 #   KIND   objects, materials, lights or outputs: the folder in which the registry looks for it
 #   FILE   the source; its stem is the keyword that scenes write
 #
-# The library becomes <kind>/<keyword>.so in the plugin folder, in the build tree as under the installation prefix.
-# Its target is called lapidary_<kind>_<keyword>, for files that need more than the SDK.
+# The library becomes <kind>/<keyword>.so in the plugin folder, in the build tree as under the installation prefix, built for the
+# first of LAPIDARY_LEVELS, which every machine has that is to run it. Objects, materials and lights are built for each of the
+# others, too: <level>/<kind>/<keyword>.so, which a kernel of that level takes instead.
+#
+# The target is called lapidary_<kind>_<keyword>, for files that need more than the SDK. What is added to it, the targets of other
+# levels have, too.
 
 if(NOT DEFINED LAPIDARY_PLUGIN_FOLDER)
   set(LAPIDARY_PLUGIN_FOLDER lib/lapidary/plugins)
 endif()
+
+function(lapidary_place_plugin target keyword folder)
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" SUFFIX ".so" OUTPUT_NAME ${keyword}
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${LAPIDARY_PLUGIN_FOLDER}/${folder})
+  install(TARGETS ${target} LIBRARY DESTINATION ${LAPIDARY_PLUGIN_FOLDER}/${folder})
+endfunction()
 
 function(lapidary_add_plugin kind file)
   if(NOT kind MATCHES "^(objects|materials|lights|outputs)$")
@@ -20,6 +31,9 @@ function(lapidary_add_plugin kind file)
     message(FATAL_ERROR "lapidary_add_plugin: the file's stem '${keyword}' is to be a keyword: letters, digits and "
       "underscores, no digit first.")
   endif()
+  set(higher_levels ${LAPIDARY_LEVELS})
+  list(POP_FRONT higher_levels first_level)
+
   set(target lapidary_${kind}_${keyword})
   add_library(${target} MODULE ${file})
   target_link_libraries(${target} PRIVATE lapidary::sdk)
@@ -27,10 +41,23 @@ function(lapidary_add_plugin kind file)
   # Contraction of a*b+c would break error-free transformations; with the other two the compiler vectorises sqrt.
   target_compile_options(${target} PRIVATE
     -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden -fvisibility-inlines-hidden
-    $<$<BOOL:${LAPIDARY_ARCHITECTURE}>:-march=${LAPIDARY_ARCHITECTURE}>
+    $<$<BOOL:${first_level}>:-march=${first_level}>
     $<$<STREQUAL:$<CONFIG>,>:-O3>)  # a project without a build type would get no optimisation at all
-  set_target_properties(${target} PROPERTIES
-    PREFIX "" SUFFIX ".so" OUTPUT_NAME ${keyword}
-    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${LAPIDARY_PLUGIN_FOLDER}/${kind})
-  install(TARGETS ${target} LIBRARY DESTINATION ${LAPIDARY_PLUGIN_FOLDER}/${kind})
+  lapidary_place_plugin(${target} ${keyword} ${kind})
+
+  if(kind STREQUAL outputs)  # files are written at the speed of the disk
+    return()
+  endif()
+  foreach(level ${higher_levels})
+    set(copy ${target}_${level})
+    add_library(${copy} MODULE $<TARGET_PROPERTY:${target},SOURCES>)
+    target_include_directories(${copy} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
+    target_compile_definitions(${copy} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
+    target_compile_features(${copy} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_FEATURES>)
+    target_compile_options(${copy} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level})
+    target_link_libraries(${copy} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
+    set_target_properties(${copy} PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
+    lapidary_place_plugin(${copy} ${keyword} ${level}/${kind})
+    add_dependencies(${target} ${copy})
+  endforeach()
 endfunction()

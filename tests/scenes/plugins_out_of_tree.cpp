@@ -65,6 +65,12 @@ TEST_CASE("a plugin is built outside of the tree against an installation that wa
         CHECK(count_differences(found, expected) <= 10);
     }
     {
+        INFO("found on a machine that has less");
+        const auto found = picture_of(scene_of_octahedron, "less", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA",
+                                      "--plugin-path " + quoted(plugins));
+        CHECK(count_differences(found, expected) <= 10);
+    }
+    {
         INFO("found by LAPIDARY_PLUGIN_PATH");
         const auto found = picture_of(scene_of_octahedron, "variable", "LAPIDARY_PLUGIN_PATH=" + quoted(plugins), "");
         CHECK(count_differences(found, expected) <= 10);

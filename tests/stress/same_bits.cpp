@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cfenv>
 #include <cstdint>
 #include <memory>
@@ -14,6 +13,7 @@
 
 #include "kernel/prepare/world.h"
 #include "kernel/render/render.h"
+#include "support/fingerprint.h"
 #include "support/measurement.h"
 #include "support/scenes.h"
 #include "support/solids.h"
@@ -21,20 +21,6 @@
 
 namespace lapidary::test {
 namespace {
-
-// FNV-1a, over the bits of numbers.
-class Fingerprint {
-public:
-    void add(double number) { add(std::bit_cast<std::uint64_t>(number), 64); }
-    void add(float number) { add(std::bit_cast<std::uint32_t>(number), 32); }
-    std::uint64_t value() const { return hash_; }
-
-private:
-    void add(std::uint64_t bits, int count) {
-        for (int shift = 0; shift < count; shift += 8) hash_ = (hash_ ^ ((bits >> shift) & 0xff)) * 0x100000001b3;
-    }
-    std::uint64_t hash_ = 0xcbf29ce484222325;
-};
 
 // The arithmetic of the calling thread while it lives.
 class OtherArithmetic {

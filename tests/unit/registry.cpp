@@ -65,7 +65,8 @@ TEST_CASE("a plugin is its kind's folder and its file's stem") {
     CHECK(reason.empty());
     CHECK(sphere->keyword() == "sphere");
     CHECK(sphere->kind() == PluginKind::object);
-    CHECK(sphere->file() == built_plugins / "objects" / "sphere.so");
+    CHECK(sphere->file().filename() == "sphere.so");
+    CHECK(fs::relative(sphere->file(), built_plugins).string().find("..") == std::string::npos);
     CHECK(sphere->schema().find("radius"));
     CHECK(sphere->create_object() != nullptr);
     CHECK(registry.find(PluginKind::object, "sphere", reason) == sphere);
@@ -117,6 +118,30 @@ TEST_CASE("the first match on the path wins, even where it is refused") {
     CHECK(fresh.find(PluginKind::object, "ball", reason) == nullptr);
     CHECK(reason.find("first") == std::string::npos);
     CHECK(reason.find((first.path() / "objects/ball.so").string()) != std::string::npos);
+}
+
+TEST_CASE("of one folder, a library for the kernel's own instruction set is taken before the one for any machine") {
+    REQUIRE_FALSE(kernel_level().empty());
+    const TemporaryFolder first, second;
+    const auto file_of_ball = [&] {
+        Registry registry({first.path(), second.path()});
+        std::string reason;
+        const Plugin* ball = registry.find(PluginKind::object, "ball", reason);
+        INFO(reason);
+        REQUIRE(ball);
+        CHECK(registry.keywords(PluginKind::object) == std::vector<std::string>{"ball"});
+        CHECK(registry.list().front().file == ball->file());
+        return ball->file();
+    };
+    const std::string own = kernel_level() + "/objects/ball.so", any = "objects/ball.so";
+    copy_plugin(second, "objects/sphere.so", own);
+    CHECK(file_of_ball() == second.path() / own);
+    copy_plugin(first, "objects/sphere.so", any);  // a plugin of its author's that is built once
+    CHECK(file_of_ball() == first.path() / any);
+    copy_plugin(first, "objects/sphere.so", "x86-64-v9/objects/ball.so");
+    CHECK(file_of_ball() == first.path() / any);
+    copy_plugin(first, "objects/sphere.so", own);
+    CHECK(file_of_ball() == first.path() / own);
 }
 
 TEST_CASE("a scene's folders come behind the command line's, in the order written") {
