@@ -13,6 +13,8 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 ONE_SAMPLE = "one sample"
+# Instruction sets, and what the C library must not see of the machine for them to be the best that there is.
+LEVELS = {"x86-64": "-AVX2,-FMA", "x86-64-v3": "-AVX512F"}
 
 
 @dataclasses.dataclass
@@ -35,11 +37,12 @@ def pinned(cores):
     return ["taskset", "-c", cores] if shutil.which("taskset") else []
 
 
-def execute(command, folder):
+def execute(command, folder, variables={}):
     """The seconds by the clock, the peak memory and the messages of a process that is to succeed."""
     with tempfile.TemporaryFile() as messages:
         begin = time.perf_counter()
-        process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=messages, stderr=messages)
+        process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=messages, stderr=messages,
+                                   env=os.environ | variables)
         _, status, usage = os.wait4(process.pid, 0)
         whole = time.perf_counter() - begin
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -60,8 +63,8 @@ def found(pattern, text):
 class Lapidary:
     """A quality is ONE_SAMPLE, or options that replace --samples 1."""
 
-    def __init__(self, name="ours", program=ROOT / "build" / "bin" / "lapidary", options=(), threads=1, cores="0"):
-        self.name, self.program, self.options = name, pathlib.Path(program).resolve(), list(options)
+    def __init__(self, name="ours", program=ROOT / "build" / "bin" / "lapidary", options=(), threads=1, cores="0", level=None):
+        self.name, self.program, self.options, self.level = name, pathlib.Path(program).resolve(), list(options), level
         self.threads, self.cores = threads, cores
         if not os.access(self.program, os.X_OK):
             raise Failure(f"no program {self.program}; build it with: sh .ci/build")
@@ -71,7 +74,10 @@ class Lapidary:
         chosen = ["--samples", "1"] if quality == ONE_SAMPLE else quality
         whole, memory, text = execute(
             [*pinned(self.cores), self.program, "-v", "-w", "-j", self.threads, "--resolution", "{}x{}".format(*size),
-             "--set", "output.encoding=linear", "--set", "output.png.bits=16", *chosen, *self.options, "-o", picture, workload.ours], folder)
+             "--set", "output.encoding=linear", "--set", "output.png.bits=16", *chosen, *self.options, "-o", picture, workload.ours], folder,
+            {"GLIBC_TUNABLES": f"glibc.cpu.hwcaps={LEVELS[self.level]}"} if self.level else {})
+        if self.level and f"\ninstruction set {self.level}\n" not in text:
+            raise Failure(f"not built for {self.level}, or this machine lacks it:\n{text[-2000:]}")
         of_processor = lambda stage: 1e-3 * found(rf"\n{stage} +[\d.]+ ms, ([\d.]+) ms of processor time", text)
         return Run(parse=of_processor("load") + of_processor("build"), prepare=of_processor("prepare"), whole=whole, memory=memory,
                    wall=1e-3 * found(r"\nrender +([\d.]+) ms", text),
