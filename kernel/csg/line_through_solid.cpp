@@ -56,20 +56,22 @@ const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t i
     const Vector& d = ray_.direction;
     const TwoPartVector from_centre = ray_.origin - leaf.placement.centre();
     const double world_step = -dot(from_centre.hi, d);
-    const Vector world_closest = Vector{std::fma(world_step, d.x, from_centre.hi.x), std::fma(world_step, d.y, from_centre.hi.y),
-                                        std::fma(world_step, d.z, from_centre.hi.z)} +
-                                 from_centre.lo;
+    const Vector world_closest =
+        Vector{fused_multiply_add(world_step, d.x, from_centre.hi.x), fused_multiply_add(world_step, d.y, from_centre.hi.y),
+               fused_multiply_add(world_step, d.z, from_centre.hi.z)} +
+        from_centre.lo;
     const Vector closest = leaf.placement.to_local(world_closest);
     const Vector direction = leaf.placement.to_local(d);
     const double step = -dot(closest, direction) / dot(direction, direction);
-    placed_ = {
-        {{std::fma(step, direction.x, closest.x), std::fma(step, direction.y, closest.y), std::fma(step, direction.z, closest.z)},
-         direction},
-        world_step + step};
+    placed_ = {{{fused_multiply_add(step, direction.x, closest.x), fused_multiply_add(step, direction.y, closest.y),
+                 fused_multiply_add(step, direction.z, closest.z)},
+                direction},
+               world_step + step};
     if (leaf.placement.is_lopsided()) {
         Point& near = placed_.line.closest;
         const double again = -dot(near, direction) / dot(direction, direction);
-        near = {std::fma(again, direction.x, near.x), std::fma(again, direction.y, near.y), std::fma(again, direction.z, near.z)};
+        near = {fused_multiply_add(again, direction.x, near.x), fused_multiply_add(again, direction.y, near.y),
+                fused_multiply_add(again, direction.z, near.z)};
         placed_.anchor += again;
     }
     return placed_;

@@ -27,9 +27,9 @@ inline void bring_nearer(PlacedLines& placed) {
         const double x = lines.closest_x[i], y = lines.closest_y[i], z = lines.closest_z[i];
         const double dx = lines.direction_x[i], dy = lines.direction_y[i], dz = lines.direction_z[i];
         const double step = -(x * dx + y * dy + z * dz) / (dx * dx + dy * dy + dz * dz);
-        lines.closest_x[i] = std::fma(step, dx, x);
-        lines.closest_y[i] = std::fma(step, dy, y);
-        lines.closest_z[i] = std::fma(step, dz, z);
+        lines.closest_x[i] = fused_multiply_add(step, dx, x);
+        lines.closest_y[i] = fused_multiply_add(step, dy, y);
+        lines.closest_z[i] = fused_multiply_add(step, dz, z);
         placed.anchor[i] += step;
     }
 }
@@ -49,13 +49,13 @@ void place_lines_by(const Transform& placement, const RayPacket& __restrict rays
         const double lo_z = z.lo + (rays.offset.z[i] - centre.offset.z);
         const Vector d{rays.direction.x[i], rays.direction.y[i], rays.direction.z[i]};
         const double world_step = -(x.hi * d.x + y.hi * d.y + z.hi * d.z);
-        const Vector w{std::fma(world_step, d.x, x.hi) + lo_x, std::fma(world_step, d.y, y.hi) + lo_y,
-                       std::fma(world_step, d.z, z.hi) + lo_z};
+        const Vector w{fused_multiply_add(world_step, d.x, x.hi) + lo_x, fused_multiply_add(world_step, d.y, y.hi) + lo_y,
+                       fused_multiply_add(world_step, d.z, z.hi) + lo_z};
         const Vector closest = identity ? w : multiply(w, m), direction = identity ? d : multiply(d, m);
         const double step = -dot(closest, direction) / dot(direction, direction);
-        lines.closest_x[i] = std::fma(step, direction.x, closest.x);
-        lines.closest_y[i] = std::fma(step, direction.y, closest.y);
-        lines.closest_z[i] = std::fma(step, direction.z, closest.z);
+        lines.closest_x[i] = fused_multiply_add(step, direction.x, closest.x);
+        lines.closest_y[i] = fused_multiply_add(step, direction.y, closest.y);
+        lines.closest_z[i] = fused_multiply_add(step, direction.z, closest.z);
         lines.direction_x[i] = direction.x, lines.direction_y[i] = direction.y, lines.direction_z[i] = direction.z;
         placed.anchor[i] = world_step + step;
     }

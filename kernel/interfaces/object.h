@@ -20,7 +20,8 @@ struct LocalLine {
     Vector direction;
 
     Point at(double t) const {
-        return {std::fma(t, direction.x, closest.x), std::fma(t, direction.y, closest.y), std::fma(t, direction.z, closest.z)};
+        return {fused_multiply_add(t, direction.x, closest.x), fused_multiply_add(t, direction.y, closest.y),
+                fused_multiply_add(t, direction.z, closest.z)};
     }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Products that lose nothing. An instruction set without a fused multiply-add would have std::fma call the C library, which takes
-// some forty times as long as a product; here it takes the classical way instead. The bits are the same.
+// a hundred times as long as a product; here it takes the classical way instead. The bits are the same.
 #pragma once
 
 #include <bit>
@@ -35,7 +35,7 @@ inline double dekker_error(double a, double b, double product) {
 
 inline double product_error(double a, double b, double product) {
     if (products_are_exact(a, b, product)) return dekker_error(a, b, product) + 0.0;  // never -0
-    return a == 0 || b == 0 ? 0 : std::fma(a, b, -product);
+    return a == 0 || b == 0 ? product - product : std::fma(a, b, -product);
 }
 
 // a + b, of the two numbers next to it the one whose last bit is set: what is added to it afterwards is rounded as if nothing had

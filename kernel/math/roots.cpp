@@ -117,7 +117,8 @@ private:
     }
 
     Value distance_and_slope(double t) const {
-        const double x = std::fma(t, d_.x, m_.x), y = std::fma(t, d_.y, m_.y), z = std::fma(t, d_.z, m_.z);
+        const double x = fused_multiply_add(t, d_.x, m_.x), y = fused_multiply_add(t, d_.y, m_.y),
+                     z = fused_multiply_add(t, d_.z, m_.z);
         const double rho = std::sqrt(x * x + z * z), beyond = rho - major_;
         const double from_ring = std::sqrt(beyond * beyond + y * y);
         const double rho_slope = rho > 0 ? (x * d_.x + z * d_.z) / rho : 0;

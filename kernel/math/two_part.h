@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Numbers of twice the precision: an unevaluated sum hi + lo of two doubles with |lo| <= ulp(hi)/2.
-// The error-free transformations are Knuth's TwoSum and the fma form of Dekker's TwoProduct.
+// The error-free transformations are Knuth's TwoSum and Dekker's TwoProduct.
 #pragma once
 
 #include <cmath>
@@ -38,7 +38,7 @@ inline TwoPart two_difference(double a, double b) { return two_sum(a, -b); }
 // a * b exactly.
 inline TwoPart two_product(double a, double b) {
     const double product = a * b;
-    return {product, std::fma(a, b, -product)};
+    return {product, product_error(a, b, product)};
 }
 
 inline TwoPart operator-(const TwoPart& a) { return {-a.hi, -a.lo}; }

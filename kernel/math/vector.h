@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "kernel/math/fused.h"
+
 namespace lapidary {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -62,8 +64,8 @@ inline double dot(const Point& p, const Vector& v) { return p.x * v.x + p.y * v.
 // ab - cd to 1.5 ulp (Kahan): the fma recovers what the rounding of cd took away.
 inline double difference_of_products(double a, double b, double c, double d) {
     const double cd = c * d;
-    const double lost = std::fma(-c, d, cd);
-    return std::fma(a, b, -cd) + lost;
+    const double lost = product_error(-c, d, -cd);
+    return fused_multiply_add(a, b, -cd) + lost;
 }
 
 inline Vector cross(const Vector& a, const Vector& b) {

@@ -210,9 +210,9 @@ PointBatch PacketPaths::local_points(const PlacedLines& __restrict placed, const
         double local_t = t[i] - anchor;
         local_t = anchor + spans.in[i] == t[i] ? spans.in[i] : local_t;
         local_t = anchor + spans.out[i] == t[i] ? spans.out[i] : local_t;
-        local.x[i] = std::fma(local_t, lines.direction_x[i], lines.closest_x[i]);
-        local.y[i] = std::fma(local_t, lines.direction_y[i], lines.closest_y[i]);
-        local.z[i] = std::fma(local_t, lines.direction_z[i], lines.closest_z[i]);
+        local.x[i] = fused_multiply_add(local_t, lines.direction_x[i], lines.closest_x[i]);
+        local.y[i] = fused_multiply_add(local_t, lines.direction_y[i], lines.closest_y[i]);
+        local.z[i] = fused_multiply_add(local_t, lines.direction_z[i], lines.closest_z[i]);
     }
     return local;
 }

@@ -84,7 +84,7 @@ private:
         double origin, slope;
         Normal normal;
 
-        double at(double t) const { return std::fma(t, slope, origin); }
+        double at(double t) const { return fused_multiply_add(t, slope, origin); }
         Crossing next(const Rows& rows, double from) const {
             const double start = (origin - rows.shift) / rows.period, pace = slope / rows.period;
             const double t =

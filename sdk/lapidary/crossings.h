@@ -25,7 +25,7 @@ inline double next_integer(double coordinate, double slope, double from, double 
     if (slope == 0) return infinity;
     const double start = coordinate - offset;
     const double step = slope > 0 ? 1 : -1;
-    double k = std::floor(std::fma(from, slope, start)) + (slope > 0 ? 0 : 1);
+    double k = std::floor(fused_multiply_add(from, slope, start)) + (slope > 0 ? 0 : 1);
     for (int tries = 0; tries < 4; ++tries, k += step) {
         const double t = (k - start) / slope;
         if (t > from) return t;
