@@ -4,6 +4,7 @@
 #pragma once
 
 #include "kernel/scene/names.h"
+#include "kernel/scene/scene.h"
 #include "kernel/scene/vocabulary.h"
 
 namespace lapidary {
@@ -13,7 +14,8 @@ struct BuildContext {
     const std::vector<std::string>& constants;  // names of numbers, for suggestions
     NameTable names;
     Vocabulary vocabulary;
-    int nesting = 0;  // blocks around the one that is being read
+    int nesting = 0;                          // blocks around the one that is being read
+    SceneMaterialPtr plain_matter = nullptr;  // made last
 };
 
 // Blocks inside blocks are read by recursion; this keeps it bounded.

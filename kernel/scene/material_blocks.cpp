@@ -189,7 +189,7 @@ private:
             return;
         }
         const Colour colour = constant.colour ? *constant.colour : Colour::grey(constant.value.value_or(0));
-        items.children.push_back(plain_material(colour, Matter().shininess, property.place));
+        items.children.push_back(plain_material(colour, Matter().shininess, property.place, context_));
     }
 
     // A transform acts on all of a texture that is written as one block, and on one branch where there are several.
@@ -290,10 +290,15 @@ SceneMaterialPtr build_texture(const Block& block, const Plugin& plugin, bool ne
     return finish_definition(name, TextureBuilder(block, plugin, context).build());
 }
 
-SceneMaterialPtr plain_material(const Colour& colour, double shininess, const Place& place) {
+SceneMaterialPtr plain_material(const Colour& colour, double shininess, const Place& place, BuildContext& context) {
+    if (context.plain_matter) {
+        const Matter& last = static_cast<const PlainMaterial&>(*context.plain_matter->material).matter();
+        if (last.colour == colour && last.shininess == shininess) return context.plain_matter;
+    }
     auto plain = std::make_shared<SceneMaterial>();
     plain->material = std::make_shared<PlainMaterial>(colour, shininess);
     plain->place = place;
+    context.plain_matter = plain;
     return plain;
 }
 

@@ -174,8 +174,8 @@ private:
         } else {
             const Place* place = common_.place_of(common.colour ? "colour" : "shininess");
             const Matter plain;
-            contents_.material =
-                plain_material(common.colour.value_or(plain.colour), common.shininess.value_or(plain.shininess), *place);
+            contents_.material = plain_material(common.colour.value_or(plain.colour), common.shininess.value_or(plain.shininess),
+                                                *place, context_);
         }
         common.colour.reset();
         common.shininess.reset();

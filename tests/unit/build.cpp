@@ -3,6 +3,7 @@
 // What a scene's text becomes: the shape of trees, the order of transforms, what is shared and what is inherited.
 #include <string>
 
+#include "kernel/prepare/world.h"
 #include "support/catch.h"
 #include "support/scenes.h"
 
@@ -150,6 +151,24 @@ TEST_CASE("Materials are shared by name, whichever way they are named", "[build]
     CHECK(operands[2]->material == operands[3]->material);
     CHECK(operands[4]->material == operands[5]->material);
     for (const auto& operand : operands) CHECK(operand->material->material == operands[0]->material->material);
+}
+
+TEST_CASE("What is painted alike, one after the other, is of one matter", "[build]") {
+    const auto built = test::build(
+        "objects { cube { colour(1,0,0); } sphere { colour(1,0,0); } sphere { colour(1,0,0); shininess(3); } sphere { } "
+        "cube { colour(1,0,0); shininess(3); } cube { colour(0,1,0); } cube { colour(1,0,0); } } lights { ambient {} }");
+    REQUIRE(built->scene);
+    const auto& operands = built->scene->root->operands;
+    CHECK(operands[0]->material == operands[1]->material);
+    CHECK(operands[1]->material != operands[2]->material);
+    CHECK(operands[2]->material == operands[4]->material);
+    CHECK(operands[4]->material != operands[5]->material);
+    CHECK(operands[5]->material != operands[6]->material);
+    CHECK_FALSE(operands[3]->material);
+
+    const auto world = prepare_world(*built->scene, built->messages);
+    REQUIRE(world->materials.size() == 5);
+    for (std::size_t i = 0; i < 5; ++i) CHECK(world->materials[i].number == static_cast<std::int32_t>(i) + 1);
 }
 
 TEST_CASE("Lights are placed by their own transforms, then by those of their block", "[build]") {
