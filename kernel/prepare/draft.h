@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/prepare/large_pages.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -39,6 +40,10 @@ public:
     const Bounds& box_of(DraftTree tree) const { return tree < 0 ? leaves[~tree].box : (*this)[tree].box; }
     std::int32_t leaf_count(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].leaf_count; }
     std::int32_t depth(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].depth; }
+
+    std::size_t count() const { return operations_.size(); }
+    // Room for so many operations.
+    void reserve(std::size_t count) { reserve_in_large_pages(operations_, count); }
 
     // From now on an operation must stay as it is.
     void share(DraftTree tree) {

@@ -15,6 +15,7 @@
 
 #include "kernel/math/standard_arithmetic.h"
 #include "kernel/prepare/draft.h"
+#include "kernel/prepare/large_pages.h"
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
 #include "kernel/prepare/world.h"
@@ -97,14 +98,8 @@ public:
         if (scene_.root)
             if (const DraftTree all = draft_tree(*scene_.root); all != empty_set) drafts_.split_into_solids(all, solids_);
         emit_everything();
-        for (const Solid& solid : world_.solids)
-            if (const Bounds& box = world_.box_of(solid.root); box.is_finite()) world_.bounds = unite(world_.bounds, box);
-        set_rounding();
         if (options.coincidence) recognise_coincident_surfaces(world_, messages_);
-        for (Solid& solid : world_.solids)
-            if (solid.deep_tree < 0) find_product_form(solid);
-        build_hierarchy();
-        note_features();
+        finish_solids();
         if (world_.features.transparency) note_transparency(world_);
     }
 
@@ -138,6 +133,7 @@ private:
         std::size_t first_operand = 0;  // in the list of operands under way, those drafted so far; empty ones, too
         std::vector<OperandSheets> sheets;
         std::int32_t leftmost_medium = 0;  // of the leaf written first, whether it is out of reach or not
+        std::size_t leaves_before = 0, materials_before = 0, operations_before = 0;  // in the lists when it began
     };
 
     // What has become of a node: its solid, and the sheets that are left, clipped.
@@ -151,7 +147,7 @@ private:
     DraftTree draft_tree(const SceneNode& root) {
         if (root.operation == Operation::leaf) return finish(draft_leaf(root, enter_node(root, {})));
         std::vector<Visit> stack;
-        stack.push_back({&root, enter_node(root, {}), 0, {}, 0});
+        stack.push_back(visit_of(root, enter_node(root, {})));
         for (;;) {
             Visit& visit = stack.back();
             const std::size_t done = under_way_.size() - visit.first_operand;
@@ -163,13 +159,41 @@ private:
                 continue;
             }
             look_ahead(visit.node->operands, done);
+            if (done == enough_to_tell) make_room(visit, done);
             const SceneNode& next = *visit.node->operands[done];
             Surroundings here = enter_node(next, around_operand(visit, done));
             if (next.operation == Operation::leaf)
                 take(visit, draft_leaf(next, here));
             else
-                stack.push_back({&next, std::move(here), under_way_.size(), {}, 0});
+                stack.push_back(visit_of(next, std::move(here)));
         }
+    }
+
+    Visit visit_of(const SceneNode& node, Surroundings here) const {
+        Visit visit;
+        visit.node = &node;
+        visit.here = std::move(here);
+        visit.first_operand = under_way_.size();
+        visit.leaves_before = drafts_.leaves.size();
+        visit.materials_before = world_.materials.size();
+        visit.operations_before = drafts_.count();
+        return visit;
+    }
+
+    // Of many operands the first ones tell how much room all of them take, if they are small: lists need not be copied as they
+    // grow.
+    static constexpr std::size_t enough_to_tell = 256;
+    void make_room(const Visit& visit, std::size_t done) {
+        constexpr std::size_t few = 4;
+        const std::size_t all = visit.node->operands.size();
+        if (all < 16 * done) return;
+        const auto expected = [&](std::size_t before, std::size_t now) {
+            const std::size_t of_those_done = std::min(now - before, few * done);
+            return before + of_those_done * (all + all / 16) / done;
+        };
+        reserve_in_large_pages(drafts_.leaves, expected(visit.leaves_before, drafts_.leaves.size()));
+        reserve_in_large_pages(world_.materials, expected(visit.materials_before, world_.materials.size()));
+        drafts_.reserve(expected(visit.operations_before, drafts_.count()));
     }
 
     // Asks for the memory of the operands to come, in steps, each of which needs what the one before asked for: they stand here
@@ -253,7 +277,8 @@ private:
         leaf.name = here.name;
         leaf.box = padded_box(leaf);
         note_faces(leaf);
-        world_.most_spans = std::max(world_.most_spans, leaf.object->max_spans());
+        leaf.most_spans = leaf.object->max_spans();
+        world_.most_spans = std::max(world_.most_spans, leaf.most_spans);
 
         Drafted drafted;
         drafted.leftmost_medium = leaf.medium;
@@ -288,6 +313,7 @@ private:
 
     // A uniform one stands in the World once, others once for each place.
     std::int32_t place_material(const SceneMaterial& scene_material, const ExactTransform& to_world) {
+        if (&scene_material == uniform_source_) return uniform_;
         const Material& material = *scene_material.material;
         const auto index = static_cast<std::int32_t>(world_.materials.size());
         std::int32_t& known = known_materials_[&scene_material];
@@ -296,11 +322,13 @@ private:
 
         MaterialInstance instance;
         instance.is_uniform = material.is_uniform();
+        if (instance.is_uniform) uniform_source_ = &scene_material, uniform_ = known;
         if (!is_new && instance.is_uniform) return known;
         instance.material = &material;
         instance.source = &scene_material;
         instance.number = is_new ? ++material_number_ : world_.materials[known].number;
         instance.may_be_transparent = material.may_be_transparent();
+        may_be_transparent_ |= instance.may_be_transparent;
         world_.features.reflection |= material.may_reflect();
         world_.features.relief |= material.may_have_relief();
         if (instance.is_uniform)
@@ -320,12 +348,21 @@ private:
     }
 
     void emit_everything() {
-        world_.solids.reserve(solids_.size());
-        world_.nodes.reserve(solids_.size());
+        reserve_in_large_pages(world_.solids, solids_.size());
+        reserve_in_large_pages(world_.nodes, solids_.size());
+        world_.children.reserve(drafts_.leaves.size());
         order_.reserve(drafts_.leaves.size());
-        for (DraftTree tree : solids_) world_.solids.push_back(emit_solid(tree));
+        for (DraftTree tree : solids_) {
+            const Solid& solid = world_.solids.emplace_back(emit_solid(tree));
+            world_.features.transparency |= solid.may_be_transparent;
+            if (const Bounds& box = drafts_.box_of(tree); box.is_finite()) world_.bounds = unite(world_.bounds, box);
+        }
         for (SheetDraft& draft : sheets_) emit_sheet(draft);
         arrange_leaves();
+        if (has_unbounded_solids_) set_rounding_of_unbounded_solids();
+        for (const Sheet& sheet : world_.sheets)
+            world_.features.transparency |= world_.materials[world_.leaves[sheet.leaf].medium].may_be_transparent;
+        world_.features.sheets = !world_.sheets.empty();
         for (const std::vector<Solid>* solids : {&world_.solids, &world_.clips})
             for (const Solid& solid : *solids)
                 if (solid.deep_tree >= 0)
@@ -346,7 +383,7 @@ private:
             std::vector<bool> stands(drafted.size());
             for (std::int32_t leaf : order_) stands[static_cast<std::size_t>(leaf)] = true;
             world_.leaves_left_out = static_cast<std::size_t>(std::count(stands.begin(), stands.end(), false));
-            world_.leaves.reserve(order_.size());
+            reserve_in_large_pages(world_.leaves, order_.size());
             for (std::int32_t leaf : order_) world_.leaves.push_back(drafted[leaf]);
         }
     }
@@ -390,7 +427,7 @@ private:
         solid.first_leaf = static_cast<std::int32_t>(order_.size());
         solid.root = emit_tree(tree);
         solid.leaf_count = static_cast<std::int32_t>(order_.size()) - solid.first_leaf;
-        for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
+        for (std::int32_t i = 0; may_be_transparent_ && i < solid.leaf_count; ++i) {
             const Leaf& leaf = drafts_.leaves[order_[solid.first_leaf + i]];
             solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;
         }
@@ -400,6 +437,9 @@ private:
             solid.has_interfaces |= node.operation == Operation::union_ || node.operation == Operation::symdiff;
         }
         world_.most_leaves = std::max(world_.most_leaves, solid.leaf_count);
+        const Bounds& box = drafts_.box_of(tree);
+        solid.rounding = coincidence_tolerance(0, length(box.diagonal()));
+        has_unbounded_solids_ |= !box.is_finite();
         if (drafts_.depth(tree) > deepest_followed) {
             solid.deep_tree = static_cast<std::int32_t>(world_.deep_trees.size());
             world_.deep_trees.emplace_back().first_node = static_cast<std::int32_t>(first_node);  // until all leaves stand
@@ -460,13 +500,11 @@ private:
     }
 
     // What has no bounds is taken to be as large as the scene.
-    void set_rounding() {
+    void set_rounding_of_unbounded_solids() {
         const double scene_size = length(region_of_interest(world_).diagonal());
         for (std::vector<Solid>* solids : {&world_.solids, &world_.clips})
-            for (Solid& solid : *solids) {
-                const Bounds& box = world_.box_of(solid.root);
-                solid.rounding = coincidence_tolerance(0, box.is_finite() ? length(box.diagonal()) : scene_size);
-            }
+            for (Solid& solid : *solids)
+                if (!world_.box_of(solid.root).is_finite()) solid.rounding = coincidence_tolerance(0, scene_size);
     }
 
     void find_product_form(Solid& solid) {
@@ -505,7 +543,7 @@ private:
     bool gather_leaves(std::int32_t tree, Operation operation, std::vector<std::int32_t>& leaves) const {
         if (tree < 0) {
             leaves.push_back(~tree);
-            return has_one_span(world_, world_.leaves[~tree]);
+            return have_one_span_ || has_one_span(world_, world_.leaves[~tree]);
         }
         const Node& node = world_.nodes[tree];
         if (node.operation != operation && !(operation == Operation::union_ && node.operation == Operation::merge)) return false;
@@ -515,13 +553,17 @@ private:
     }
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.
-    void build_hierarchy() {
+    void finish_solids() {
         std::vector<Bounds> boxes;
         std::vector<std::int32_t> items;
-        boxes.reserve(world_.solids.size());
+        reserve_in_large_pages(boxes, world_.solids.size());
         items.reserve(world_.solids.size());
+        world_.product_leaves.reserve(world_.leaves.size());
+        have_one_span_ = world_.most_spans == 1 && !world_.features.shared_surfaces;
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
-            const Bounds& box = world_.box_of(world_.solids[i].root);
+            Solid& solid = world_.solids[i];
+            if (solid.deep_tree < 0) find_product_form(solid);
+            const Bounds& box = world_.box_of(solid.root);
             if (fits_hierarchy(box)) {
                 boxes.push_back(box);
                 items.push_back(static_cast<std::int32_t>(i));
@@ -530,13 +572,6 @@ private:
             }
         }
         world_.hierarchy = Hierarchy(boxes, items);
-    }
-
-    void note_features() {
-        for (const Solid& solid : world_.solids) world_.features.transparency |= solid.may_be_transparent;
-        for (const Sheet& sheet : world_.sheets)
-            world_.features.transparency |= world_.materials[world_.leaves[sheet.leaf].medium].may_be_transparent;
-        world_.features.sheets = !world_.sheets.empty();
     }
 
     const Scene& scene_;
@@ -550,7 +585,12 @@ private:
     std::vector<Emission> emissions_;
     std::vector<std::int32_t> positive_, negative_;  // of the solid that is looked at
     NumberOfAddress known_materials_;
+    const SceneMaterial* uniform_source_ = nullptr;  // of the uniform material that was placed last
+    std::int32_t uniform_ = no_material;
     std::int32_t leaf_number_ = 0, material_number_ = 1;
+    bool may_be_transparent_ = false;  // any material
+    bool have_one_span_ = false;       // all leaves
+    bool has_unbounded_solids_ = false;
 };
 
 }  // namespace

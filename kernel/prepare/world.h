@@ -71,6 +71,7 @@ struct Leaf {
     std::int32_t surface_count = 0;
     std::int32_t first_face = 0, face_count = 0;  // in World::faces; none where its faces are of no known kind
     std::int32_t number = 0;                      // of the object for the `object` layer, from 1 in the order of writing
+    std::int32_t most_spans = 1;                  // on any line, as the object says
     const SceneNode* source = nullptr;            // as written
     const std::string* name = nullptr;            // its own, else of the innermost block around it that has one; null: none
 };
@@ -88,27 +89,28 @@ struct Node {
 struct Solid {
     std::int32_t root = 0;  // its tree
     std::int32_t first_leaf = 0, leaf_count = 0;
+    std::int32_t deep_tree = -1;  // in World::deep_trees; -1: shallow enough to be followed from node to node
     double rounding = 0;          // of a position on a line near it, apart from what the line's own length adds
+
+    double priority = 0;                   // of its inside, like
+    std::int32_t owner = -1, medium = -1;  // these, where that is of one medium
+
+    // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
+    // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
+    std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
+    std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
+    bool is_product = false;
+
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;
-
-    std::int32_t deep_tree = -1;  // in World::deep_trees; -1: shallow enough to be followed from node to node
-
     // A small tree of leaves of one span each, and of one medium: packets follow it for all lanes at once.
     bool fits_lanes = false;
-    std::int32_t owner = -1, medium = -1;  // of its inside, where that is of one medium
-    double priority = 0;
     // What it does to shadow rays: it blocks them; changes nothing, clear as it is; or has to be asked (where it dims them, and
     // where opaque matter may lie hidden in transparent matter that comes first).
     enum class Shadow : std::uint8_t { blocks, clear, asked };
     Shadow shadow = Shadow::blocks;
-
-    // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
-    // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
-    bool is_product = false;
-    std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
-    std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
 };
+static_assert(sizeof(Solid) == 64);
 
 // The longest cell of a line through a solid that rounding alone may have made, at t: what its two ends lost in their leaves'
 // spaces, which is the solid's `rounding`, and two roundings of t each, as a position in a leaf's space is added to that of the
@@ -179,7 +181,7 @@ inline bool has_one_span(const World& world, const Leaf& leaf) {
         const SurfaceClass& surface = world.surface_classes[world.surface_uses[leaf.first_surface + i].surface_class];
         if (!surface.whole && surface.surface.kind == Surface::Kind::cone) return false;
     }
-    return leaf.object->max_spans() == 1;
+    return leaf.most_spans == 1;
 }
 
 struct PrepareOptions {
