@@ -12,6 +12,7 @@
 #include <span>
 
 #include "kernel/interfaces/object.h"
+#include "kernel/prepare/large_pages.h"
 
 namespace lapidary {
 
@@ -209,9 +210,7 @@ std::span<const Surface> compared_faces(const World& world, const Leaf& leaf) {
     return faces.size() < 2 || !leaf.object->is_sheet() ? faces : faces.first(1);
 }
 
-bool is_compared_as_a_whole(const Leaf& leaf) {
-    return leaf.face_count == 0 && !leaf.object->is_sheet() && leaf.object->max_spans() <= 2;
-}
+bool is_compared_as_a_whole(const Leaf& leaf) { return leaf.face_count == 0 && !leaf.object->is_sheet() && leaf.most_spans <= 2; }
 
 // A face and where it stands in the sweep: equal surfaces have nearly equal keys.
 struct SweptFace {
@@ -221,35 +220,41 @@ struct SweptFace {
 };
 
 // Which faces have others of nearly the same key: a table of how many keys fall into each slot, of which a window covers two at
-// most. Few slots are shared by accident.
+// most. Slots are shared by accident, now and then; with another multiplier, an odd number, there are other accidents.
 class KeyTable {
 public:
-    KeyTable(std::size_t count, double plane_window, double window) : plane_window_(plane_window), window_(window) {
-        counts_.resize(std::bit_ceil(std::max<std::size_t>(16 * count, 64)));
+    KeyTable(std::size_t count, std::uint64_t multiplier, double plane_window, double window)
+        : multiplier_(multiplier), plane_window_(plane_window), window_(window) {
+        counts_.resize(std::bit_ceil(std::max<std::size_t>(16 * count, 64)) / slots_in_word);
     }
     void add(const SweptFace& face) {
-        std::uint8_t& count = counts_[slot(face, 0)];
-        if (count < 2) ++count;
+        const std::size_t place = slot(face, 0);
+        std::uint32_t& counts = counts_[place / slots_in_word];
+        if (count_in(place) < 2) counts += std::uint32_t{1} << shift(place);
     }
     bool has_neighbours(const SweptFace& face) const {
-        return counts_[slot(face, 0)] > 1 || counts_[slot(face, -1)] > 0 || counts_[slot(face, 1)] > 0;
+        return count_in(slot(face, 0)) > 1 || count_in(slot(face, -1)) > 0 || count_in(slot(face, 1)) > 0;
     }
 
 private:
+    static constexpr std::size_t slots_in_word = 16;  // none, one or more, in two bits
+    static constexpr unsigned shift(std::size_t slot) { return static_cast<unsigned>(2 * (slot % slots_in_word)); }
+    std::uint32_t count_in(std::size_t slot) const { return counts_[slot / slots_in_word] >> shift(slot) & 3; }
+
     std::size_t slot(const SweptFace& face, double offset) const {
         const double window = face.kind == PlacedSurface::Kind::plane ? plane_window_ : window_;
         const double step = std::floor(face.key / (2 * window)) + offset;
         // Neighbouring slots mostly stand in one line of the cache.
         constexpr double together = 64;
         const double line = std::floor(step / together), place = step - together * line;
-        const std::uint64_t hash =
-            (std::bit_cast<std::uint64_t>(line) + static_cast<std::uint64_t>(face.kind)) * 0x9E3779B97F4A7C15;
+        const std::uint64_t hash = (std::bit_cast<std::uint64_t>(line) + static_cast<std::uint64_t>(face.kind)) * multiplier_;
         const auto within = static_cast<std::uint64_t>(place < together ? place : 0);  // where keys are beyond numbers: any
-        return (static_cast<std::uint64_t>(together) * (hash ^ hash >> 32) + within) & (counts_.size() - 1);
+        return (static_cast<std::uint64_t>(together) * (hash ^ hash >> 32) + within) & (slots_in_word * counts_.size() - 1);
     }
 
+    std::uint64_t multiplier_;
     double plane_window_, window_;
-    std::vector<std::uint8_t> counts_;
+    std::vector<std::uint32_t> counts_;
 };
 
 class Recogniser {
@@ -270,15 +275,17 @@ private:
     // The faces that may be on one surface with others. Most have no other of nearly the same key, and are done with.
     void gather() {
         std::vector<SweptFace> faces;
-        faces.reserve(world_.leaves.size());
+        reserve_in_large_pages(faces, world_.leaves.size());
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
             warn_of_distance(world_.leaves[i]);
             add_faces(static_cast<std::int32_t>(i), faces);
         }
-        KeyTable table(faces.size(), plane_window_, window_);
-        for (const SweptFace& face : faces) table.add(face);
-        for (const SweptFace& face : faces)
-            if (table.has_neighbours(face)) surfaces_.push_back(place_face(face));
+        for (const std::uint64_t multiplier : {0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F}) {
+            KeyTable table(faces.size(), multiplier, plane_window_, window_);
+            for (const SweptFace& face : faces) table.add(face);
+            std::erase_if(faces, [&](const SweptFace& face) { return !table.has_neighbours(face); });
+        }
+        for (const SweptFace& face : faces) surfaces_.push_back(place_face(face));
     }
 
     // Once: what stands so far out that its faces cannot be told from one another.
