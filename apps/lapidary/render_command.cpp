@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <condition_variable>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
+#include <tuple>
 
 #include "apps/lapidary/command_line.h"
 #include "apps/lapidary/console.h"
@@ -77,6 +79,13 @@ std::size_t count_plugins(const Registry& registry) {
     return count;
 }
 
+// To release a scene of many objects one by one takes longer than to trace it; the end of the process releases all at once.
+template <class... T>
+void keep_until_exit(T... things) {
+    static const auto* const kept = new std::tuple<T...>(std::move(things)...);
+    static_cast<void>(kept);
+}
+
 class RenderCommand {
 public:
     RenderCommand(const RenderArguments& arguments, const Words& words, Kept& kept)
@@ -87,7 +96,8 @@ public:
 
     ExitCode run() {
         record_.stages.begin("load");
-        Session session(arguments_.scene, messages_);
+        auto kept_session = std::make_unique<Session>(arguments_.scene, messages_);
+        Session& session = *kept_session;
         // Before they are read.
         kept_.files.insert(arguments_.scene.file.string());
         if (arguments_.watch) watch(kept_.files);
@@ -105,6 +115,7 @@ public:
         if (code == ExitCode::success || code == ExitCode::interrupted) tell();
         if (arguments_.log) write_log();
         if (code == ExitCode::success && !arguments_.watch && (arguments_.hold || console_.is_terminal())) wait_for_viewer();
+        if (!arguments_.watch) keep_until_exit(std::move(kept_session), record_.scene, record_.world);
         return code;
     }
 
