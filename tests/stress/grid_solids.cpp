@@ -45,14 +45,14 @@ Pieces negative_linear(const Exact& value, const Exact& slope, const Exact& norm
     return {{end, {beyond_all()}}};
 }
 
-// Where a quadratic is negative; `gradient(t)` is the length of the surface's gradient there.
-template <class Gradient>
-Pieces negative_quadratic(const Polynomial& p, Gradient gradient) {
+// Where a quadratic is negative; `cosine(t, slope)` is that of the end at t, where the quadratic has that slope.
+template <class Cosine>
+Pieces negative_quadratic(const Polynomial& p, Cosine cosine) {
     if (p[2] == 0) return negative_linear(p[0], p[1], 1);
     const std::vector<Exact> roots = quadratic_roots(p);
     if (roots.empty()) return p[2] < 0 ? everywhere() : Pieces{};
     const Exact slope = 2 * abs(p[2]) * (roots[1] - roots[0]) / 2;
-    const ExactEnd first{roots[0], slope / gradient(roots[0])}, last{roots[1], slope / gradient(roots[1])};
+    const ExactEnd first{roots[0], cosine(roots[0], slope)}, last{roots[1], cosine(roots[1], slope)};
     if (p[2] > 0) return {{first, last}};
     return {{{-beyond_all()}, first}, {last, {beyond_all()}}};
 }
@@ -81,33 +81,45 @@ Pieces slab(const Exact& o, const Exact& d, const Exact& half, const Exact& dire
     return common(negative_linear(o - half, d, direction_length), negative_linear(-o - half, -d, direction_length));
 }
 
-Pieces pieces(const GridLeaf& leaf, const LeafLine& line) {
+// The side of a frustum of radius a at the bottom, b at the top.
+//
+// Where the line meets it no further from the apex than coordinates are rounded, the normal there says nothing: a line moved by
+// that much meets another generator. Among all of them the cosine between line and normal is as small as
+//
+//     |sin(alpha - beta)|,   alpha, beta: the angles of the cone and of the line to the axis,
+//
+// and the end is as well defined as at that one.
+Pieces cone(const GridLeaf& leaf, const LeafLine& line, const Exact& speed, double rounding) {
+    const double a = leaf.sizes[0], b = leaf.sizes[1], c = leaf.sizes[2];
+    const Exact slope = (Exact(a) - b) / c, slant = sqrt(1 + slope * slope);
+    const double apex = a * c / (a - b) - c / 2;
+    const ExactVector& d = line.d;
+    const Exact at_apex = abs(sqrt(d.x * d.x + d.z * d.z) - abs(slope * d.y)) / (slant * speed);
+    const auto cosine = [&](const Exact& t, const Exact& slope_of_quadratic) -> Exact {
+        const ExactVector p = at(line.o, d, t);
+        const Exact rho = sqrt(p.x * p.x + p.z * p.z);
+        return rho <= rounding ? at_apex : slope_of_quadratic / (2 * rho * slant * speed);
+    };
+    return negative_quadratic(cone_polynomial(line.o, d, static_cast<double>(slope), apex), cosine);
+}
+
+Pieces pieces(const GridLeaf& leaf, const LeafLine& line, double rounding) {
     using Kind = GridLeaf::Kind;
     const ExactVector &o = line.o, &d = line.d;
     const double a = leaf.sizes[0], b = leaf.sizes[1], c = leaf.sizes[2];
     const Exact speed = sqrt(dot(d, d));
+    const auto round_cosine = [&](const Exact&, const Exact& slope) -> Exact { return slope / (2 * a * speed); };
     switch (leaf.kind) {
         case Kind::box:
             return common(slab(o.x, d.x, a, speed), common(slab(o.y, d.y, b, speed), slab(o.z, d.z, c, speed)));
         case Kind::half_space:
             return negative_linear(o.y, d.y, speed);
         case Kind::ball:
-            return negative_quadratic(sphere_polynomial(o, d, a), [&](const Exact&) -> Exact { return 2 * a * speed; });
+            return negative_quadratic(sphere_polynomial(o, d, a), round_cosine);
         case Kind::rod:
-            return common(negative_quadratic(cylinder_polynomial(o, d, a), [&](const Exact&) -> Exact { return 2 * a * speed; }),
-                          slab(o.y, d.y, Exact(c) / 2, speed));
-        case Kind::frustum: {
-            // Radius a at the bottom, b at the top.
-            const Exact slope = (Exact(a) - b) / c;
-            const double apex = a * c / (a - b) - c / 2;
-            const auto gradient = [&](const Exact& t) -> Exact {
-                const ExactVector p = at(o, d, t);
-                const Exact rho = sqrt(p.x * p.x + p.z * p.z);
-                return 2 * rho * sqrt(1 + slope * slope) * speed;
-            };
-            return common(negative_quadratic(cone_polynomial(o, d, static_cast<double>(slope), apex), gradient),
-                          slab(o.y, d.y, Exact(c) / 2, speed));
-        }
+            return common(negative_quadratic(cylinder_polynomial(o, d, a), round_cosine), slab(o.y, d.y, Exact(c) / 2, speed));
+        case Kind::frustum:
+            return common(cone(leaf, line, speed, rounding), slab(o.y, d.y, Exact(c) / 2, speed));
         case Kind::ring: {
             const Exact middle = -dot(o, d) / (speed * speed), reach = 2 * (a + b) / speed;
             const std::vector<Exact> ends = sign_changes(torus_polynomial(o, d, a, b), middle - reach, middle + reach);
@@ -130,12 +142,13 @@ class Cells {
 public:
     Cells(const GridSolid& solid, const GridPlace& place, const Ray& ray) {
         gather(solid, place, ray);
-        ends_.push_back({Exact(0)});
         for (const Pieces& of_leaf : leaves_)
             for (const ExactSpan& piece : of_leaf)
                 for (const ExactEnd& end : {piece.in, piece.out})
-                    if (end.t > 0) ends_.push_back(end);
-        std::sort(ends_.begin(), ends_.end(), [](const ExactEnd& a, const ExactEnd& b) { return a.t < b.t; });
+                    if (end.t > 0) of_leaves_.push_back(end);
+        std::sort(of_leaves_.begin(), of_leaves_.end(), [](const ExactEnd& a, const ExactEnd& b) { return a.t < b.t; });
+        ends_ = of_leaves_;
+        ends_.insert(ends_.begin(), {Exact(0)});
         ends_.erase(std::unique(ends_.begin(), ends_.end(), [](const ExactEnd& a, const ExactEnd& b) { return a.t == b.t; }),
                     ends_.end());
         if (ends_.back().is_finite()) ends_.push_back({beyond_all()});
@@ -155,11 +168,15 @@ public:
         return found;
     }
 
+    // Of all leaves, sorted, those at the same place, too.
+    const std::vector<ExactEnd>& ends_of_leaves() const { return of_leaves_; }
+
 private:
     using Ranks = std::vector<std::pair<std::size_t, std::size_t>>;
 
     void gather(const GridSolid& solid, const GridPlace& place, const Ray& ray) {
-        if (solid.operation == Operation::leaf) leaves_.push_back(pieces(solid.leaf, in_leaf(solid.leaf, place, ray)));
+        if (solid.operation == Operation::leaf)
+            leaves_.push_back(pieces(solid.leaf, in_leaf(solid.leaf, place, ray), place.rounding()));
         for (const GridSolid& operand : solid.operands) gather(operand, place, ray);
     }
 
@@ -201,7 +218,7 @@ private:
 
     std::vector<Pieces> leaves_;
     std::vector<Ranks> ranked_;
-    std::vector<ExactEnd> ends_;
+    std::vector<ExactEnd> of_leaves_, ends_;
 };
 
 }  // namespace
@@ -311,10 +328,6 @@ SceneNodePtr scene_node(const GridSolid& solid, const GridPlace& place, SolidMak
     return maker.combine(solid.operation, std::move(operands));
 }
 
-std::vector<ExactSpan> exact_spans(const GridSolid& solid, const GridPlace& place, const Ray& ray) {
-    return Cells(solid, place, ray).spans(solid);
-}
-
 std::vector<ExactSpan> without_slivers(std::vector<ExactSpan> spans, const Exact& longest) {
     std::vector<ExactSpan> kept;
     for (const ExactSpan& span : spans) {
@@ -341,16 +354,16 @@ std::vector<Span> without_slivers(std::vector<Span> spans, double longest) {
 
 void GridComparison::compare(const GridSolid& solid, const Ray& ray, std::vector<Span> spans, Aim aim) {
     // Ends that are the same may differ in the last of the 200 bits.
-    std::vector<ExactSpan> exact = without_slivers(exact_spans(solid, place_, ray), place_.size * Exact("1e-40"));
-    if (aim != Aim::anywhere) {
-        const double longest = place_.size * (1e-12 + 100 * place_.rounding());
-        exact = without_slivers(exact, longest);
-        spans = without_slivers(spans, longest);
-    }
+    const Cells cells(solid, place_, ray);
+    const bool is_aimed = aim != Aim::anywhere;
+    const double longest = place_.size * (is_aimed ? 1e-12 + 100 * place_.rounding() : 1e-40);
+    const std::vector<ExactSpan> exact = without_slivers(cells.spans(solid), longest);
+    if (is_aimed) spans = without_slivers(spans, longest);
     cells_ += static_cast<int>(exact.size());
     bool same = spans.size() == exact.size();
     for (std::size_t i = 0; same && i < spans.size(); ++i)
-        same = agree(spans[i].in, exact[i].in) && agree(spans[i].out, exact[i].out);
+        for (const auto& [t, end] : {std::pair(spans[i].in, exact[i].in), std::pair(spans[i].out, exact[i].out)})
+            same = same && agree(t, end, cells.ends_of_leaves(), longest);
     measured_.expect(same);
     if (same || ++wrong_ > 3) return;
     std::string text;
@@ -362,13 +375,20 @@ void GridComparison::compare(const GridSolid& solid, const Ray& ray, std::vector
                      ray.direction.z, text));
 }
 
-bool GridComparison::agree(double t, const ExactEnd& exact) {
+// The end of a solid is the end of one of its leaves, to the bit, and as exact as that one. Where the faces of several leaves
+// meet in a point, all of their ends lie within rounding of each other, each by as much as its own cosine says, and which of them
+// is the solid's is decided by rounding: the one that was chosen is compared with itself.
+bool GridComparison::agree(double t, const ExactEnd& exact, const std::vector<ExactEnd>& of_leaves, const Exact& reach) {
     if (t == infinity || !exact.is_finite()) return t == infinity && !exact.is_finite();
-    const auto off = static_cast<double>(abs(t - exact.t) * exact.cosine);
+    const auto off = [t](const ExactEnd& end) { return static_cast<double>(abs(t - end.t) * end.cosine); };
     const double rounding = u * (std::fabs(t) + 16 * place_.size + std::fabs(place_.offset));
-    const bool near = off <= 1e6 * rounding;  // beyond it, it is another face
-    if (near) measured_.record(off / rounding);
-    return near;
+    double least = off(exact);
+    if (least > 1e6 * rounding) return false;  // it is another face
+    const auto before = [](const ExactEnd& end, const Exact& place) { return end.t < place; };
+    auto end = std::lower_bound(of_leaves.begin(), of_leaves.end(), exact.t - reach, before);
+    for (; end != of_leaves.end() && end->t <= exact.t + reach; ++end) least = std::min(least, off(*end));
+    measured_.record(least / rounding);
+    return true;
 }
 
 bool same_bits(const std::vector<Span>& a, const std::vector<Span>& b) {

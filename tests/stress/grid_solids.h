@@ -70,8 +70,6 @@ struct ExactSpan {
     ExactEnd in, out;
 };
 
-// Where a ray runs inside the solid, from its origin on.
-std::vector<ExactSpan> exact_spans(const GridSolid& solid, const GridPlace& place, const Ray& ray);
 // Without spans, and then without gaps, that are not longer than that.
 std::vector<ExactSpan> without_slivers(std::vector<ExactSpan> spans, const Exact& longest);
 std::vector<Span> without_slivers(std::vector<Span> spans, double longest);
@@ -97,7 +95,7 @@ public:
     Measurement& measured() { return measured_; }
 
 private:
-    bool agree(double t, const ExactEnd& exact);
+    bool agree(double t, const ExactEnd& exact, const std::vector<ExactEnd>& of_leaves, const Exact& reach);
 
     GridPlace place_;
     Measurement measured_;
