@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "kernel/prepare/world.h"
 
@@ -50,9 +51,10 @@ bool is_held(const World& world, const Node& node, Holds holds) {
 }
 
 // What a cell inside of an operation is made of: of the operands that hold it, the one of highest priority, among equals the
-// leftmost; for an intersection and a subtraction the left operand; for a merge its one material.
+// leftmost; for an intersection and a subtraction the left operand; for a merge its one material. Of `operands`, those of the
+// node, such as may not hold the cell can be left out, but not the first one of a subtraction.
 template <class LabelOf>
-Label label_inside(const World& world, const Node& node, LabelOf label_of) {
+Label label_inside(const Node& node, std::span<const std::int32_t> operands, LabelOf label_of) {
     Label owner;
     switch (node.operation) {
         case Operation::leaf:
@@ -62,10 +64,10 @@ Label label_inside(const World& world, const Node& node, LabelOf label_of) {
             break;
         case Operation::intersection:
         case Operation::subtraction:
-            owner = label_of(world.operands_of(node)[0]);
+            owner = label_of(operands[0]);
             break;
         case Operation::union_:
-            for (std::int32_t operand : world.operands_of(node)) {
+            for (std::int32_t operand : operands) {
                 const Label candidate = label_of(operand);
                 if (candidate.is_empty()) continue;
                 if (owner.is_empty() || candidate.priority > owner.priority) owner = candidate;
@@ -73,7 +75,7 @@ Label label_inside(const World& world, const Node& node, LabelOf label_of) {
             break;
         case Operation::symdiff:
             // ((a xor b) xor c) …: each operand that holds the cell takes it over from nothing, or makes nothing of it.
-            for (std::int32_t operand : world.operands_of(node)) {
+            for (std::int32_t operand : operands) {
                 const Label candidate = label_of(operand);
                 if (!candidate.is_empty()) owner = owner.is_empty() ? candidate : Label{};
             }
@@ -91,19 +93,18 @@ struct Change {
 
 // The operand whose change is that of the whole: the first one, in order, that changes the way it must. Going in, an operand of
 // a union or an intersection goes in, too; a subtrahend does the opposite of the whole. Where the inside of none changes, the
-// first one whose label does.
+// first one whose label does. As above, operands that do not change can be left out, but not the first one of a subtraction.
 template <class ChangeOf, class LabelChanges>
-std::optional<std::int32_t> changing_operand(const World& world, const Node& node, const Change& whole, ChangeOf change_of,
-                                             LabelChanges label_changes) {
-    const auto all = world.operands_of(node);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const Change change = change_of(all[i]);
+std::optional<std::int32_t> changing_operand(const Node& node, std::span<const std::int32_t> operands, const Change& whole,
+                                             ChangeOf change_of, LabelChanges label_changes) {
+    for (std::size_t i = 0; i < operands.size(); ++i) {
+        const Change change = change_of(operands[i]);
         if (change.before == change.after) continue;
         const bool opposite = node.operation == Operation::subtraction && i > 0;
         const bool any_change = whole.before == whole.after || node.operation == Operation::symdiff;
-        if (any_change || (change.after == whole.after) != opposite) return all[i];
+        if (any_change || (change.after == whole.after) != opposite) return operands[i];
     }
-    for (std::int32_t operand : all)
+    for (std::int32_t operand : operands)
         if (label_changes(operand)) return operand;
     return std::nullopt;
 }

@@ -200,7 +200,8 @@ std::int32_t LineThroughDeepTree::leaf_at(double t) {
     for (std::optional<std::int32_t> tree = solid_.root; tree;) {
         const Change change = change_of(*tree);
         if (*tree < 0) return change.before != change.after ? ~*tree : -1;
-        tree = changing_operand(world_, world_.nodes[*tree], change, change_of, label_changes);
+        const Node& node = world_.nodes[*tree];
+        tree = changing_operand(node, world_.operands_of(node), change, change_of, label_changes);
     }
     return -1;
 }
@@ -221,7 +222,7 @@ void LineThroughDeepTree::evaluate_all(double t, Side side, std::vector<Label>& 
     const auto holds = [&](std::int32_t tree) { return !label_of(tree).is_empty(); };
     for (std::int32_t index = tree_.first_node; index <= solid_.root; ++index) {
         const Node& node = world_.nodes[index];
-        labels.push_back(is_held(world_, node, holds) ? label_inside(world_, node, label_of) : Label{});
+        labels.push_back(is_held(world_, node, holds) ? label_inside(node, world_.operands_of(node), label_of) : Label{});
     }
 }
 

@@ -122,7 +122,7 @@ int LineThroughSolid::intersect_surfaces(const Leaf& leaf, Span* out) {
         count = kept;
     }
     // Where surfaces meet in a point, rounding may leave a trace of what the leaf does not reach: the cone's other nappe.
-    while (count > leaf.object->max_spans()) {
+    while (count > 1 && count > leaf.object->max_spans()) {
         const auto end = common.begin() + count;
         const auto shortest =
             std::min_element(common.begin(), end, [](const Span& a, const Span& b) { return a.out - a.in < b.out - b.in; });
@@ -140,7 +140,14 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) {
     const bool departing = ray_.departure.surface_class == use.surface_class;
     int count = 0;
     if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
-        count = plane_spans(surface_class, departing, out);
+        PlaneSpan& plane = planes_[static_cast<std::size_t>(use.surface_class) % plane_count];
+        if (plane.ray != ray_number_ || plane.surface_class != use.surface_class) {
+            plane.ray = ray_number_;
+            plane.surface_class = use.surface_class;
+            plane.count = plane_spans(surface_class, departing, &plane.span);
+        }
+        out[0] = plane.span;
+        count = plane.count;
     } else {
         const Leaf& leaf = world_.leaves[surface_class.leaf];
         const PlacedLine& placed = placed_line(surface_class.leaf);
@@ -182,7 +189,7 @@ int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool depart
 
 // Whether the point at t may be inside the box; the point carries the rounding of origin and t.
 bool LineThroughSolid::box_holds(const Bounds& box, double t) const {
-    const double rounding = 0x1p-50 * (origin_size_ + std::fabs(t));
+    const double rounding = slack(t);
     const Point p = origin_ + t * ray_.direction;
     return p.x >= box.low.x - rounding && p.x <= box.high.x + rounding && p.y >= box.low.y - rounding &&
            p.y <= box.high.y + rounding && p.z >= box.low.z - rounding && p.z <= box.high.z + rounding;
@@ -285,6 +292,7 @@ double LineThroughSolid::enter(std::int32_t tree, double t) {
             break;
         case Operation::union_:
         case Operation::merge: {
+            if (node.united >= 0) return enter_united(node, t);
             double first = infinity;
             for (std::int32_t operand : operands(node)) {
                 if (box_is_missed(world_.box_of(operand), t)) continue;
@@ -310,7 +318,10 @@ double LineThroughSolid::enter(std::int32_t tree, double t) {
                 t = enter(all[0], t);
                 if (t == infinity) return infinity;
                 double beyond = t;
-                for (std::int32_t subtrahend : all.subspan(1)) beyond = leave(subtrahend, beyond);
+                if (node.united >= 0)
+                    beyond = leave_united(node, beyond);
+                else
+                    for (std::int32_t subtrahend : all.subspan(1)) beyond = leave(subtrahend, beyond);
                 if (beyond == t || beyond == infinity) return beyond;
                 t = beyond;
             }
@@ -331,6 +342,7 @@ double LineThroughSolid::leave(std::int32_t tree, double t) {
             break;
         case Operation::union_:
         case Operation::merge:
+            if (node.united >= 0) return leave_united(node, t);
             for (bool unchanged = false; !unchanged;) {
                 unchanged = true;
                 for (std::int32_t operand : operands(node)) {
@@ -351,6 +363,7 @@ double LineThroughSolid::leave(std::int32_t tree, double t) {
         case Operation::subtraction: {
             const auto all = operands(node);
             double first = leave(all[0], t);
+            if (node.united >= 0) return first == t ? t : std::min(first, enter_united(node, t));
             for (std::int32_t subtrahend : all.subspan(1)) {
                 if (first == t) break;
                 if (!box_is_missed(world_.box_of(subtrahend), t)) first = std::min(first, enter(subtrahend, t));
@@ -364,6 +377,57 @@ double LineThroughSolid::leave(std::int32_t tree, double t) {
     return t;
 }
 
+double LineThroughSolid::enter_united(const Node& node, double t) {
+    const UnitedOperands& united = world_.united_operands[node.united];
+    const std::span<const std::int32_t> all = operands(node);
+    double first = infinity;
+    const auto visit = [&](std::int32_t i) { first = std::min(first, enter(all[i], t)); };
+    for (std::int32_t i : united.unbounded) visit(i);
+    const SlabLine line = slabs_.relative_to(united.hierarchy.anchor());
+    united.hierarchy.walk([&](const auto& low, const auto& high, double& near) { return line.meets(low, high, t, first, near); },
+                          [&] { return first > t ? first : -infinity; }, visit);
+    return first;
+}
+
+// Operands are left in the order in which they are met, as long as one begins before the last one ends: a row of many is left in
+// one walk, and a second one finds nothing more.
+double LineThroughSolid::leave_united(const Node& node, double t) {
+    const UnitedOperands& united = world_.united_operands[node.united];
+    const std::span<const std::int32_t> all = operands(node);
+    const SlabLine line = slabs_.relative_to(united.hierarchy.anchor());
+    const auto visit = [&](std::int32_t i) { t = leave(all[i], t); };
+    for (double from = -infinity; from != t && t < infinity;) {
+        from = t;
+        for (std::int32_t i : united.unbounded) visit(i);
+        united.hierarchy.walk(
+            [&](const auto& low, const auto& high, double& near) { return line.meets(low, high, from, infinity, near); },
+            [&] { return t + slack(t); }, visit);
+    }
+    return t;
+}
+
+bool LineThroughSolid::inside_united(const Node& node, double t, Side side) {
+    const UnitedOperands& united = world_.united_operands[node.united];
+    const std::span<const std::int32_t> all = operands(node);
+    bool held = false;
+    const auto visit = [&](std::int32_t i) { held = held || inside(all[i], t, side); };
+    for (std::int32_t i : united.unbounded) visit(i);
+    united.hierarchy.for_each_at(origin_ + t * ray_.direction, slack(t), visit);
+    return held;
+}
+
+std::span<const std::int32_t> LineThroughSolid::operands_at(const Node& node, double t, std::vector<std::int32_t>& memory) const {
+    const std::span<const std::int32_t> all = operands(node);
+    if (node.united < 0) return all;
+    const UnitedOperands& united = world_.united_operands[node.united];
+    if (node.operation == Operation::subtraction) memory.push_back(0);
+    memory.insert(memory.end(), united.unbounded.begin(), united.unbounded.end());
+    united.hierarchy.for_each_at(origin_ + t * ray_.direction, slack(t), [&](std::int32_t i) { memory.push_back(i); });
+    std::sort(memory.begin(), memory.end());
+    for (std::int32_t& operand : memory) operand = all[operand];
+    return memory;
+}
+
 double LineThroughSolid::first_change(std::span<const std::int32_t> operands, double t) {
     double next = infinity;
     for (std::int32_t operand : operands)
@@ -374,13 +438,18 @@ double LineThroughSolid::first_change(std::span<const std::int32_t> operands, do
 bool LineThroughSolid::inside(std::int32_t tree, double t, Side side) {
     if (!box_holds(world_.box_of(tree), t)) return false;
     if (tree < 0) return inside_leaf(~tree, t, side);
-    return is_held(world_, world_.nodes[tree], [&](std::int32_t operand) { return inside(operand, t, side); });
+    const Node& node = world_.nodes[tree];
+    if (node.united < 0) return is_held(world_, node, [&](std::int32_t operand) { return inside(operand, t, side); });
+    if (node.operation != Operation::subtraction) return inside_united(node, t, side);
+    return inside(operands(node)[0], t, side) && !inside_united(node, t, side);
 }
 
 Label LineThroughSolid::label(std::int32_t tree, double t, Side side) {
     if (!inside(tree, t, side)) return {};
     if (tree < 0) return label_of_leaf(world_, ~tree);
-    return label_inside(world_, world_.nodes[tree], [&](std::int32_t operand) { return label(operand, t, side); });
+    const Node& node = world_.nodes[tree];
+    std::vector<std::int32_t> memory;
+    return label_inside(node, operands_at(node, t, memory), [&](std::int32_t operand) { return label(operand, t, side); });
 }
 
 double LineThroughSolid::next_change(double t) {
@@ -408,7 +477,9 @@ std::int32_t LineThroughSolid::leaf_at(std::int32_t tree, double t) {
     };
     const Change change = change_of(tree);
     if (tree < 0) return change.before != change.after ? ~tree : -1;
-    const auto operand = changing_operand(world_, world_.nodes[tree], change, change_of, label_changes);
+    const Node& node = world_.nodes[tree];
+    std::vector<std::int32_t> memory;
+    const auto operand = changing_operand(node, operands_at(node, t, memory), change, change_of, label_changes);
     return operand ? leaf_at(*operand, t) : -1;
 }
 

@@ -21,6 +21,8 @@
 // see to: abutting solids join without a face, a shared face subtracts cleanly, a solid minus itself is nothing.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -110,6 +112,15 @@ private:
     Label label(std::int32_t tree, double t, Side side);
     std::int32_t leaf_at(std::int32_t tree, double t);
     double first_change(std::span<const std::int32_t> operands, double t);
+
+    // The same functions of many operands' union, by their hierarchy: those that cannot matter are not asked.
+    double enter_united(const Node& node, double t);
+    double leave_united(const Node& node, double t);
+    bool inside_united(const Node& node, double t, Side side);
+    // The operands of a node that may hold a place or change there, in order, and the first one of a subtraction; `memory` holds
+    // them where they are not all.
+    std::span<const std::int32_t> operands_at(const Node& node, double t, std::vector<std::int32_t>& memory) const;
+    double slack(double t) const { return 0x1p-50 * (origin_size_ + std::fabs(t)); }
     bool box_holds(const Bounds& box, double t) const;
     bool box_is_missed(const Bounds& box, double t) const;
     std::span<const std::int32_t> operands(const Node& node) const { return world_.operands_of(node); }
@@ -127,6 +138,16 @@ private:
     std::vector<CachedSpans> cached_;
     std::vector<Span> cached_spans_;
     std::vector<Span> scratch_;
+
+    // Planes that many leaves share are mostly asked for again soon: those met last, each at its place by its number.
+    struct PlaneSpan {
+        std::uint64_t ray = 0;
+        std::int32_t surface_class = -1;
+        std::int32_t count = 0;
+        Span span;
+    };
+    static constexpr std::size_t plane_count = 64;
+    std::array<PlaneSpan, plane_count> planes_;
 
     // For each deep tree of the World, made when it is first met, and the number of the ray that it holds the line of.
     struct DeepLine {

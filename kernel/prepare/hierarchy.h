@@ -79,6 +79,13 @@ struct SlabLine {
     SlabLine(const Point& o, const Vector& d)
         : ox(o.x), oy(o.y), oz(o.z), ix(finite_inverse(d.x)), iy(finite_inverse(d.y)), iz(finite_inverse(d.z)) {}
 
+    // The same line with its origin relative to another place.
+    SlabLine relative_to(const Point& place) const {
+        SlabLine line = *this;
+        line.ox -= place.x, line.oy -= place.y, line.oz -= place.z;
+        return line;
+    }
+
     // Whether the box is met between `from` and `limit`, and where first.
     template <class Low, class High>
     bool meets(const Low& low, const High& high, double from, double limit, double& near) const {

@@ -563,6 +563,7 @@ private:
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
             Solid& solid = world_.solids[i];
             if (solid.deep_tree < 0) find_product_form(solid);
+            unite_operands(solid);
             const Bounds& box = world_.box_of(solid.root);
             if (fits_hierarchy(box)) {
                 boxes.push_back(box);
@@ -572,6 +573,35 @@ private:
             }
         }
         world_.hierarchy = Hierarchy(boxes, items);
+        for (const Solid& clip : world_.clips) unite_operands(clip);
+    }
+
+    // Where a line is followed through a tree from node to node, its nodes with many operands that are united.
+    void unite_operands(const Solid& solid) {
+        constexpr std::int32_t few = 16;
+        if (solid.leaf_count > few && solid.deep_tree < 0 && !solid.is_product) unite_operands(solid.root, few);
+    }
+
+    void unite_operands(std::int32_t tree, std::int32_t few) {
+        if (tree < 0) return;
+        Node& node = world_.nodes[tree];
+        const std::span<const std::int32_t> operands = world_.operands_of(node);
+        for (std::int32_t operand : operands) unite_operands(operand, few);
+        if (node.count <= few || node.operation == Operation::intersection || node.operation == Operation::symdiff) return;
+        node.united = static_cast<std::int32_t>(world_.united_operands.size());
+        UnitedOperands& united = world_.united_operands.emplace_back();
+        std::vector<Bounds> boxes;
+        std::vector<std::int32_t> items;
+        for (std::int32_t i = node.operation == Operation::subtraction ? 1 : 0; i < node.count; ++i) {
+            const Bounds& box = world_.box_of(operands[i]);
+            if (fits_hierarchy(box)) {
+                boxes.push_back(box);
+                items.push_back(i);
+            } else {
+                united.unbounded.push_back(i);
+            }
+        }
+        united.hierarchy = Hierarchy(boxes, items);
     }
 
     const Scene& scene_;

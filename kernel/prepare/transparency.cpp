@@ -10,7 +10,8 @@ namespace {
 // The label of a cell inside of a node, where operations leave no choice: no unions among left operands.
 Label label_of_inside(const World& world, std::int32_t tree) {
     if (tree < 0) return label_of_leaf(world, ~tree);
-    return label_inside(world, world.nodes[tree], [&](std::int32_t operand) { return label_of_inside(world, operand); });
+    const Node& node = world.nodes[tree];
+    return label_inside(node, world.operands_of(node), [&](std::int32_t operand) { return label_of_inside(world, operand); });
 }
 
 bool fits_lanes(const World& world, const Solid& solid) {

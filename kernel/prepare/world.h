@@ -83,7 +83,15 @@ struct Node {
     std::int32_t first = 0, count = 0;     // its operands, in World::children
     std::int32_t owner = -1, medium = -1;  // of a merge: its leftmost leaf and the one material of its inside
     double priority = 0;
+    std::int32_t united = -1;  // in World::united_operands; -1: few enough to be looked at one by one
     Bounds box;
+};
+
+// Of a node with many operands those that act as one, their union: all of a union's or a merge's, and the subtrahends of a
+// subtraction. Each by its place among the node's operands.
+struct UnitedOperands {
+    Hierarchy hierarchy;
+    std::vector<std::int32_t> unbounded;  // outside the hierarchy
 };
 
 struct Solid {
@@ -148,6 +156,7 @@ public:
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
     std::vector<DeepTree> deep_trees;
+    std::vector<UnitedOperands> united_operands;
     std::vector<std::int32_t> product_leaves;
     std::vector<BoxBlock> negative_blocks;
     std::vector<Surface> faces;  // each in its leaf's space; leaves whose faces are the same there share them

@@ -2,6 +2,8 @@
 //
 // The laws of set algebra (T26, T27), the order of operands (T39), boxes that change nothing (T41) and scale that changes
 // nothing (T42): bit for bit, on random solids that share faces.
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 
@@ -162,7 +164,10 @@ SceneNodePtr without_bounds(const SceneNodePtr& node) {
 // The same World with boxes that hold everything and no hierarchy.
 std::shared_ptr<const World> with_endless_boxes(const World& world) {
     auto copy = std::make_shared<World>(world);
-    for (Node& node : copy->nodes) node.box = Bounds::everything();
+    for (Node& node : copy->nodes) {
+        node.box = Bounds::everything();
+        node.united = -1;
+    }
     for (Leaf& leaf : copy->leaves) leaf.box = Bounds::everything();
     copy->hierarchy = Hierarchy();
     copy->unbounded.clear();
@@ -191,6 +196,42 @@ void check_bounds(int solids, int rays) {
         }
         FirstHits(boxed.world()).expect(first, aimed, found);
         FirstHits(endless.world()).expect(first, aimed, found);
+    }
+}
+
+// One operation over many operands, in a hierarchy of their own, and the same operands looked at one by one: not only positions,
+// but also whose face stands there and who owns what is behind it.
+void check_many_operands(int solids, int rays) {
+    const GridPlace place = any_place();
+    CAPTURE(place.size, place.offset);
+    Measurement spans({"T41", "many operands, with and without hierarchy", "", 0}),
+        leaves({"T41", "whose faces they show", "", 0});
+    for (int i = 0; i < solids; ++i) {
+        SolidMaker maker(static_cast<unsigned>(141 + i));
+        constexpr std::array operations{Op::union_, Op::merge, Op::subtraction};
+        GridSolid solid{operations[static_cast<std::size_t>(i) % operations.size()], {}, {}};
+        if (solid.operation == Op::subtraction) solid.operands.push_back(box({0, 0, 0}, {8, 8, 8}));
+        for (int k = 0; k < 17 + i; ++k) {
+            GridSolid operand = random_solid(maker.random, 1 + k % 3, true);
+            // Half-spaces would leave nothing of the rest: one, among few.
+            if (operand.leaf.kind == GridLeaf::Kind::half_space && k > 5) operand = ball({4, 4, 4}, 1);
+            solid.operands.push_back(operand);
+        }
+        // Within an intersection a union stays what it is.
+        const GridSolid whole = combine(Op::intersection, {box({-1, -1, -1}, {9, 9, 9}), solid});
+        SpansThrough many(scene_node(whole, place, maker)), one_by_one(with_endless_boxes(many.world()));
+        const bool has_hierarchy = !many.world().united_operands.empty();
+        CHECK((has_hierarchy || many.world().solids.empty() || many.world().solids[0].is_product));
+        for (int k = 0; k < rays; ++k) {
+            const Ray ray = aim_at_grid(maker.random, place, aim_of(k));
+            for (const Ray& way : {ray, reversed(ray, 64 * place.size)}) {
+                const std::vector<Span> found = many(way);
+                spans.expect(same_bits(found, one_by_one(way)));
+                for (const Span& span : found)
+                    for (double t : {span.in, span.out})
+                        if (t < infinity) leaves.expect(many.leaves_at(way, t) == one_by_one.leaves_at(way, t));
+            }
+        }
     }
 }
 
@@ -230,6 +271,9 @@ TEST_CASE("T39 the order of operands, in a million rays", "[.long]") { check_per
 
 TEST_CASE("T41 boxes and hierarchies change no position") { check_bounds(20, 100); }
 TEST_CASE("T41 boxes and hierarchies, in a million rays", "[.long]") { check_bounds(200, 1000); }
+
+TEST_CASE("T41 the hierarchy of many operands changes nothing") { check_many_operands(18, 40); }
+TEST_CASE("T41 the hierarchy of many operands, in a million rays", "[.long]") { check_many_operands(100, 1000); }
 
 TEST_CASE("T42 a power of two in size changes no digit") { check_scales(20, 100); }
 TEST_CASE("T42 a power of two in size, in a million rays", "[.long]") { check_scales(250, 1000); }
