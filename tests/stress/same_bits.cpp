@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// T95: a picture has the same bits whatever arithmetic the program around it has set for itself, for any number of threads, and
-// from any compiler at any level of optimisation.
+// T95: a picture has the same bits whatever arithmetic the program around it has set for itself, for any number of threads, in
+// whatever pieces and order it is rendered, and from any compiler at any level of optimisation. T96: the compiler does what is
+// written, on which all else stands.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cfenv>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "kernel/prepare/world.h"
 #include "kernel/render/render.h"
+#include "stress/exact.h"
 #include "support/fingerprint.h"
 #include "support/measurement.h"
 #include "support/scenes.h"
@@ -61,21 +66,56 @@ objects {{ union {{
                        2.1 * size, 3.3 * size, -5.7 * size, glass(1.5), size);
 }
 
+constexpr std::array compared{Layer::colour, Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material};
+
+class Picture {
+public:
+    Picture(const std::string& text, int width, int height) : built_(build(text)), width_(width), height_(height) {
+        for (const std::string& headline : built_->headlines()) UNSCOPED_INFO(headline);
+        REQUIRE(built_->scene);
+        world_ = prepare_world(*built_->scene, built_->messages);
+    }
+
+    std::unique_ptr<Frame> render(const RenderOptions& options) const {
+        const LayerSet layers{Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material, Layer::error};
+        auto frame = std::make_unique<Frame>(width_, height_, layers);
+        CHECK(lapidary::render(*world_, *built_->scene, *frame, options).complete);
+        return frame;
+    }
+
+private:
+    std::unique_ptr<BuiltScene> built_;
+    std::shared_ptr<const World> world_;
+    int width_, height_;
+};
+
+// The bits of the pixels of a region.
+std::uint64_t fingerprint_of(const Frame& frame, const PixelRegion& region) {
+    Fingerprint fingerprint;
+    for (const Layer layer : compared)
+        for (int y = region.y0; y < region.y1; ++y)
+            for (const float value : frame.row(layer, region.x0, region.x1, y)) fingerprint.add(value);
+    return fingerprint.value();
+}
+
 std::uint64_t fingerprint_of_picture(const std::string& text, int threads) {
-    const auto built = build(text);
-    for (const std::string& headline : built->headlines()) UNSCOPED_INFO(headline);
-    REQUIRE(built->scene);
-    const auto world = prepare_world(*built->scene, built->messages);
-    const LayerSet layers{Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material, Layer::error};
-    Frame frame(90, 70, layers);
     RenderOptions options;
     options.threads = threads;
     options.error = 0.05;
-    CHECK(render(*world, *built->scene, frame, options).complete);
-    Fingerprint fingerprint;
-    for (const Layer layer : {Layer::colour, Layer::depth, Layer::normal, Layer::position, Layer::object, Layer::material})
-        for (const float value : frame.layer(layer)) fingerprint.add(value);
-    return fingerprint.value();
+    return fingerprint_of(*Picture(text, 90, 70).render(options), {0, 0, 90, 70});
+}
+
+// A picture cut along a grid of cells of that size whose lines do not begin at its corner; in no order.
+std::vector<PixelRegion> cut(int width, int height, int cell_width, int cell_height, std::mt19937_64& random) {
+    std::vector<PixelRegion> regions;
+    for (int y = -cell_height / 3; y < height; y += cell_height)
+        for (int x = -cell_width / 2; x < width; x += cell_width) {
+            const PixelRegion region{std::max(x, 0), std::max(y, 0), std::min(x + cell_width, width),
+                                     std::min(y + cell_height, height)};
+            if (region.x0 < region.x1 && region.y0 < region.y1) regions.push_back(region);
+        }
+    std::shuffle(regions.begin(), regions.end(), random);
+    return regions;
 }
 
 }  // namespace
@@ -97,6 +137,28 @@ TEST_CASE("T95: a picture has the same bits whatever arithmetic the program has 
                 CHECK(std::fegetround() == setting.rounding);
             }
     }
+}
+
+TEST_CASE("T95: a picture has the same bits in whatever regions and order it is rendered") {
+    // The tiles of a region begin at its corner: each cut makes others, of any size, and takes them in another order.
+    constexpr int width = 45, height = 35;
+    const Picture picture(picture_scene(1), width, height);
+    const bool is_adaptive = GENERATE(false, true);
+    RenderOptions options;
+    options.threads = 1;
+    if (is_adaptive) options.error = 0.05;
+    if (!is_adaptive) options.samples = 3;
+    const std::unique_ptr<Frame> whole = picture.render(options);
+    std::mt19937_64 random(95);
+    Measurement same({"T95", is_adaptive ? "regions, to an error asked for" : "regions, of three samples a pixel", "", 0});
+    for (const auto& [cell_width, cell_height] : {std::pair(7, 5), {16, 11}, {width, 4}, {3, height}, {33, 32}})
+        for (const int threads : {1, 3}) {
+            options.threads = threads;
+            for (const PixelRegion& region : cut(width, height, cell_width, cell_height, random)) {
+                options.region = region;
+                same.expect(fingerprint_of(*picture.render(options), region) == fingerprint_of(*whole, region));
+            }
+        }
 }
 
 TEST_CASE("T95: rays have the same bits from every compiler") {
@@ -127,6 +189,23 @@ TEST_CASE("T95: rays have the same bits from every compiler") {
     Measurement same({"T95", "bits of rays from every compiler", "", 0});
     CAPTURE(fingerprint.value());
     same.expect(fingerprint.value() == 0xcda9306fa3ffbfa7);
+}
+
+TEST_CASE("T96: the compiler neither contracts nor assumes away") {
+    Measurement as_written({"T96", "arithmetic as it is written", "", 0});
+    Random random(96);
+    for (int i = 0; i < 1000; ++i) {
+        const auto next = [&] { return random.uniform(-1, 1) * random.magnitude(-15, 15); };
+        const Vector a{next(), next(), next()};
+        as_written.expect(cross(a, a) == Vector{0, 0, 0});
+    }
+    volatile double near_one = 1 + 0x1p-27;
+    const double a = near_one, square = a * a;
+    as_written.expect(std::fma(a, a, -square) == 0x1p-54);
+    as_written.expect(a * a - square == 0);
+    volatile double zero = 0;
+    const double nan = zero / zero;
+    as_written.expect(!(nan == nan));
 }
 
 }  // namespace lapidary::test

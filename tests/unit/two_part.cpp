@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Two-part arithmetic, and the compiler flags on which it stands: no contraction of a b + c, no fast-math.
+// Two-part arithmetic. (That the compiler neither contracts a b + c nor assumes away, on which it stands: stress/same_bits.cpp.)
 
 #include "kernel/math/two_part.h"
 
@@ -32,21 +32,6 @@ private:
 };
 
 }  // namespace
-
-TEST_CASE("the compiler neither contracts nor assumes away") {
-    Numbers numbers;
-    for (int i = 0; i < 100; ++i) {
-        const Vector a{numbers.next(), numbers.next(), numbers.next()};
-        CHECK(cross(a, a) == Vector{0, 0, 0});
-    }
-    volatile double near_one = 1 + 0x1p-27;
-    const double a = near_one, square = a * a;
-    CHECK(std::fma(a, a, -square) == 0x1p-54);
-    CHECK(a * a - square == 0);
-    volatile double zero = 0;
-    const double nan = zero / zero;
-    CHECK_FALSE(nan == nan);
-}
 
 TEST_CASE("sums, differences and products of doubles are exact in two parts") {
     Numbers numbers;
