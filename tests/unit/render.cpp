@@ -171,19 +171,6 @@ TEST_CASE("a flat picture takes the first samples only, for small errors twice a
     }
 }
 
-TEST_CASE("T94: samples that are not finite are dropped and counted") {
-    const auto poisoned = integrand_of([](const Ray& ray) {
-        if (ray.key.sample == 2) return Colour{std::numeric_limits<double>::quiet_NaN(), 0, 0};
-        if (ray.key.sample == 3) return Colour{0, infinity, 0};
-        return Colour::grey(0.5);
-    });
-    Frame frame(16, 16, {});
-    const RenderReport report =
-        render_passes(poisoned, CameraRays({}, 16, 16), PixelFilter(RenderSettings::Filter::box, 0.5), uniform(8), frame, {});
-    CHECK(report.trace.non_finite_samples == 2 * report.pixels);
-    for (const float value : frame.layer(Layer::colour)) CHECK(value == 0.5f);
-}
-
 TEST_CASE("a picture of nothing but NaN ends, black") {
     const auto poisoned = integrand_of([](const Ray&) { return Colour::grey(std::numeric_limits<double>::quiet_NaN()); });
     Frame frame(16, 16, {});
