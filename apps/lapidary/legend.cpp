@@ -17,8 +17,9 @@ std::string describe(const Plugin* plugin, const char* otherwise, const Place& p
     return is_included ? text + " of " + place.file->name : text;
 }
 
-std::string describe(const Leaf& leaf) {
-    return leaf.name ? *leaf.name : describe(leaf.source->plugin, "object", leaf.source->place);
+std::string describe(const World& world, const Leaf& leaf) {
+    const std::string* const name = world.name_of(leaf);
+    return name ? *name : describe(leaf.source->plugin, "object", leaf.source->place);
 }
 
 std::string describe(const MaterialInstance& instance) {
@@ -41,7 +42,7 @@ void enter(std::vector<std::string>& names, std::int32_t number, std::string nam
 std::shared_ptr<const Legend> legend_of(const World& world) {
     auto legend = std::make_shared<Legend>();
     legend->objects = legend->materials = {"nothing"};
-    for (const Leaf& leaf : world.leaves) enter(legend->objects, leaf.number, describe(leaf));
+    for (const Leaf& leaf : world.leaves) enter(legend->objects, leaf.number, describe(world, leaf));
     for (const MaterialInstance& instance : world.materials) enter(legend->materials, instance.number, describe(instance));
     return legend;
 }

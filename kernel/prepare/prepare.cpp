@@ -274,7 +274,8 @@ private:
         leaf.priority = node.priority.value_or(0);
         leaf.number = ++leaf_number_;
         leaf.source = &node;
-        leaf.name = here.name;
+        if (here.name != (world_.names.empty() ? nullptr : world_.names.back().name))
+            world_.names.push_back({leaf.number, here.name});
         leaf.box = padded_box(leaf);
         note_faces(leaf);
         leaf.most_spans = leaf.object->max_spans();
@@ -624,6 +625,11 @@ private:
 };
 
 }  // namespace
+
+const std::string* World::name_of(const Leaf& leaf) const {
+    const auto behind = std::ranges::upper_bound(names, leaf.number, {}, &NameFrom::number);
+    return behind == names.begin() ? nullptr : std::prev(behind)->name;
+}
 
 std::string Features::describe() const {
     std::string text;

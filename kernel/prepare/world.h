@@ -73,7 +73,6 @@ struct Leaf {
     std::int32_t number = 0;                      // of the object for the `object` layer, from 1 in the order of writing
     std::int32_t most_spans = 1;                  // on any line, as the object says
     const SceneNode* source = nullptr;            // as written
-    const std::string* name = nullptr;            // its own, else of the innermost block around it that has one; null: none
 };
 
 // An operation. Trees of operations are numbers: that of a node or, where negative, ~ that of a leaf.
@@ -82,8 +81,8 @@ struct Node {
     bool has_priority = false;
     std::int32_t first = 0, count = 0;     // its operands, in World::children
     std::int32_t owner = -1, medium = -1;  // of a merge: its leftmost leaf and the one material of its inside
+    std::int32_t united = -1;              // in World::united_operands; -1: few enough to be looked at one by one
     double priority = 0;
-    std::int32_t united = -1;  // in World::united_operands; -1: few enough to be looked at one by one
     Bounds box;
 };
 
@@ -174,11 +173,18 @@ public:
     std::int32_t most_spans = 1;          // of one leaf
     Features features;
     SceneNodePtr root;  // keeps objects and materials alive
+    // Objects from this number on have this name: their own, else of the innermost block around them that has one; null: none.
+    struct NameFrom {
+        std::int32_t number = 0;
+        const std::string* name = nullptr;
+    };
+    std::vector<NameFrom> names;
 
     const Bounds& box_of(std::int32_t tree) const { return tree < 0 ? leaves[~tree].box : nodes[tree].box; }
     std::span<const std::int32_t> operands_of(const Node& node) const {
         return {children.data() + node.first, static_cast<std::size_t>(node.count)};
     }
+    const std::string* name_of(const Leaf& leaf) const;
     std::span<const Surface> faces_of(const Leaf& leaf) const {
         return {faces.data() + leaf.first_face, static_cast<std::size_t>(leaf.face_count)};
     }

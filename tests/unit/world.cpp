@@ -29,7 +29,7 @@ objects {
     std::vector<std::string> names(3);
     for (const Leaf& leaf : world->leaves) {
         REQUIRE(leaf.source);
-        if (leaf.name) names.at(static_cast<std::size_t>(leaf.number - 1)) = *leaf.name;
+        if (const std::string* name = world->name_of(leaf)) names.at(static_cast<std::size_t>(leaf.number - 1)) = *name;
     }
     CHECK(names == std::vector<std::string>{"pair", "left", ""});
 
