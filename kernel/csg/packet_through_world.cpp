@@ -18,22 +18,6 @@ constexpr float largest_float = std::numeric_limits<float>::max();
 float lesser(float a, float b) { return a < b ? a : b; }
 float greater(float a, float b) { return a > b ? a : b; }
 
-// Of all boxes of a hierarchy, the furthest corner from its anchor.
-double reach_of(const Hierarchy& hierarchy) {
-    if (hierarchy.is_empty()) return 0;
-    const Hierarchy::Node& root = hierarchy.nodes().front();
-    double reach = 0;
-    for (std::size_t i = 0; i < 2; ++i) {
-        if (root.child[i] == Hierarchy::no_child) continue;
-        Vector corner;
-        corner.x = std::fmax(std::fabs(root.low[i][0]), std::fabs(root.high[i][0]));
-        corner.y = std::fmax(std::fabs(root.low[i][1]), std::fabs(root.high[i][1]));
-        corner.z = std::fmax(std::fabs(root.low[i][2]), std::fabs(root.high[i][2]));
-        reach = std::fmax(reach, length(corner));
-    }
-    return reach;
-}
-
 // Puts a solid's boundaries where they come first; returns in how many lanes. Of boundaries at the same place, that of the solid
 // written first counts.
 std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf, std::int32_t solid,
@@ -65,7 +49,7 @@ PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& stat
     : world_(world),
       statistics_(statistics),
       single_(world, statistics),
-      reach_(reach_of(world.hierarchy)),
+      reach_(world.hierarchy.reach()),
       solid_(world, statistics) {}
 
 void PacketThroughWorld::start(const RayPacket& rays) {
@@ -122,12 +106,12 @@ void PacketThroughWorld::set_limits() {
     }
 }
 
-// Whether any ray meets a child's box within its limit: where they do, `near` is the entry, else infinity.
-bool PacketThroughWorld::meets(const Hierarchy::Node& node, int child, FloatLanes& __restrict near) const {
-    if (node.child[child] == Hierarchy::no_child) return false;
+// Whether any ray meets a box within its limit: where they do, `near` is the entry, else infinity.
+bool PacketThroughWorld::meets(const std::array<float, 3>& lowest, const std::array<float, 3>& highest,
+                               FloatLanes& __restrict near) const {
     constexpr float padding = 1 + 0x1p-20F;  // for the rounding of differences, inverses and products
     const FloatRays& r = rays_;
-    const std::array<float, 3> low = node.low[child], high = node.high[child];
+    const std::array<float, 3> low = lowest, high = highest;
     int met = 0;
     for (int i = 0; i < width; ++i) {
         const float x0 = (low[0] - r.high_x[i]) * r.inverse_x[i], x1 = (high[0] - r.low_x[i]) * r.inverse_x[i];
@@ -155,11 +139,23 @@ bool PacketThroughWorld::is_within_limits(const FloatLanes& near) const {
     return count > 0;
 }
 
-// Calls visit(solid) for the solids that any ray may meet within its limit.
+// Calls visit(solid) for the solids that any ray may meet within its limit, of all or of those in a beam.
 template <PacketThroughWorld::Order order, class Visit>
 void PacketThroughWorld::for_each_solid(Visit visit) {
     for (std::int32_t solid : world_.unbounded) visit(solid);
     walk<order>(visit);
+}
+
+template <class Visit>
+void PacketThroughWorld::for_each_solid_in(const BeamThroughWorld* beam, Visit visit) {
+    if (!beam || !beam->is_known()) {
+        for_each_solid<Order::near_first>(visit);
+        return;
+    }
+    for (std::int32_t solid : world_.unbounded) visit(solid);
+    FloatLanes near;
+    for (const SolidInBeam& in_beam : beam->solids())
+        if (meets(in_beam.low, in_beam.high, near)) visit(in_beam.solid);
 }
 
 template <PacketThroughWorld::Order order, class Visit>
@@ -172,7 +168,9 @@ void PacketThroughWorld::walk(Visit visit) {
         // Down to a solid: of two children that are met the nearer one, while the other waits.
         while (child >= 0) {
             const Hierarchy::Node& node = nodes[child];
-            const std::array<bool, 2> met{meets(node, 0, near[0]), meets(node, 1, near[1])};
+            std::array<bool, 2> met;
+            for (std::size_t i = 0; i < 2; ++i)
+                met[i] = node.child[i] != Hierarchy::no_child && meets(node.low[i], node.high[i], near[i]);
             if (!met[0] && !met[1]) break;
             int next = met[0] ? 0 : 1;
             if (met[0] && met[1]) {
@@ -192,12 +190,13 @@ void PacketThroughWorld::walk(Visit visit) {
     }
 }
 
-void PacketThroughWorld::first_boundaries(const RayPacket& rays, BoundaryPacket& boundaries) {
+void PacketThroughWorld::first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries) {
     limits_.v.fill(infinity);
     boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1);
     boundaries.starts_inside = 0;
     start(rays);
-    for_each_solid<Order::near_first>([&](std::int32_t solid) { meet_solid(solid, boundaries); });
+    const auto meet = [&](std::int32_t solid) { meet_solid(solid, boundaries); };
+    for_each_solid_in(beam, meet);
     if (world_.sheets.empty()) return;
     Lanes from;
     from.v.fill(0);
@@ -278,7 +277,8 @@ unsigned PacketThroughWorld::blocked_by_sheets(const Lanes& distances, unsigned 
 
 // ---- transparent Worlds ----------------------------------------------------------------------------------------------
 
-void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, ChangePacket& changes) {
+void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, const BeamThroughWorld* beam,
+                                       ChangePacket& changes) {
     from_ = stretch.from, limits_ = stretch.limit;
     BoundaryPacket& first = changes.first;
     first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
@@ -288,7 +288,7 @@ void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& str
     starts_.first.fill(-1), starts_.second.fill(-1);
     starts_.leaves_first = 0, starts_.shared = 0;
     start(rays);
-    for_each_solid<Order::near_first>([&](std::int32_t solid) { change_at_solid(solid, changes); });
+    for_each_solid_in(beam, [&](std::int32_t solid) { change_at_solid(solid, changes); });
     finish_changes(changes);
 }
 

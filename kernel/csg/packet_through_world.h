@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 
+#include "kernel/csg/beam_through_world.h"
 #include "kernel/csg/packet_through_solid.h"
 #include "kernel/csg/ray_packet.h"
 #include "kernel/csg/ray_through_world.h"
@@ -22,7 +23,8 @@ public:
     PacketThroughWorld(const World& world, TraceStatistics& statistics);
 
     // What each ray meets first in a World that has nothing transparent. Packets are filled up.
-    void first_boundaries(const RayPacket& rays, BoundaryPacket& boundaries);
+    // `beam`: what all of the rays lie in; null: anywhere.
+    void first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries);
 
     // Whether anything lies between each ray's start and its distance: bit i for ray i.
     unsigned blocked(const RayPacket& rays, const Lanes& distances);
@@ -32,7 +34,7 @@ public:
     struct Stretch {
         Lanes from, limit;
     };
-    void first_changes(const RayPacket& rays, const Stretch& stretch, ChangePacket& changes);
+    void first_changes(const RayPacket& rays, const Stretch& stretch, const BeamThroughWorld* beam, ChangePacket& changes);
 
     // Of the rays to a light: those that are blocked, and, of the others, those that are dimmed, or may be.
     struct Shadows {
@@ -60,7 +62,9 @@ private:
     void for_each_solid(Visit visit);
     template <Order order, class Visit>
     void walk(Visit visit);
-    bool meets(const Hierarchy::Node& node, int child, FloatLanes& near) const;
+    template <class Visit>
+    void for_each_solid_in(const BeamThroughWorld* beam, Visit visit);
+    bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, FloatLanes& near) const;
     static int votes_for_second(const FloatLanes& first, const FloatLanes& second);
     // Whether any ray reaches a box within its limit.
     bool is_within_limits(const FloatLanes& near) const;

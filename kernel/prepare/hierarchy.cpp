@@ -221,4 +221,18 @@ Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t
     build(entries, extent_of(entries), 0, 0, nodes_);
 }
 
+double Hierarchy::reach() const {
+    double reach = 0;
+    for (std::size_t i = 0; i < 2 && !is_empty(); ++i) {
+        const Node& root = nodes_.front();
+        if (root.child[i] == no_child) continue;
+        Vector corner;
+        corner.x = std::fmax(std::fabs(root.low[i][0]), std::fabs(root.high[i][0]));
+        corner.y = std::fmax(std::fabs(root.low[i][1]), std::fabs(root.high[i][1]));
+        corner.z = std::fmax(std::fabs(root.low[i][2]), std::fabs(root.high[i][2]));
+        reach = std::fmax(reach, length(corner));
+    }
+    return reach;
+}
+
 }  // namespace lapidary

@@ -33,6 +33,8 @@ public:
     const std::vector<Node>& nodes() const { return nodes_; }
     const Point& anchor() const { return anchor_; }
     bool is_empty() const { return nodes_.empty(); }
+    // The furthest that any box reaches from the anchor.
+    double reach() const;
 
     // Calls visit(item) for the items whose boxes `meets(low, high, near)` says are met, near ones first, as long as they are
     // not beyond limit().

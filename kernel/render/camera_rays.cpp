@@ -103,6 +103,26 @@ void CameraRays::rays(const Places& places, int count, RayPacket& packet) const 
     packet.fill_up();
 }
 
+// At distance 1 the rectangle has left, right, bottom and top. What is to the right of its left edge is p with
+//
+//     (p - L) . (right - left forward) > 0,
+//
+// and so on: no difference of close numbers is taken, however small the rectangle is. It is a little larger than was asked for.
+std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1) const {
+    if (projection_ != Camera::Projection::perspective || has_lens_) return std::nullopt;
+    constexpr double part_of_pixel = 1.0 / 64, rounding = 0x1p-44;
+    const double left = view_.to_right(x0 - part_of_pixel), right = view_.to_right(x1 + part_of_pixel);
+    const double bottom = view_.to_top(y1 + part_of_pixel), top = view_.to_top(y0 - part_of_pixel);
+    const double margin = rounding * (1 + std::fabs(left) + std::fabs(right) + std::fabs(bottom) + std::fabs(top));
+    const Vector& forward = view_.forward;
+    Beam beam;
+    beam.eye = location_;
+    beam.inward = {normalize(view_.right - (left - margin) * forward), normalize((right + margin) * forward - view_.right),
+                   normalize(view_.up - (bottom - margin) * forward), normalize((top + margin) * forward - view_.up)};
+    beam.middle = normalize(forward + 0.5 * (left + right) * view_.right + 0.5 * (bottom + top) * view_.up);
+    return beam;
+}
+
 DiscPoint CameraRays::lens_point(SampleKey key) const {
     if (!has_lens_) return {};
     if (lens_points_.empty()) return disc_from_square(sample_pair(key, dimension_pair::lens));

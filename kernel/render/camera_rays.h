@@ -13,10 +13,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kernel/csg/ray_packet.h"
 #include "kernel/export.h"
+#include "kernel/math/beam.h"
 #include "kernel/render/ray.h"
 #include "kernel/render/sampler.h"
 #include "kernel/scene/camera.h"
@@ -37,6 +39,10 @@ public:
         std::array<SampleKey, batch_size> key;
     };
     void rays(const Places& places, int count, RayPacket& packet) const;
+
+    // What holds the rays of all places x0 <= x <= x1, y0 <= y <= y1, whatever rounding does; nothing for a lens, and for
+    // parallel rays.
+    std::optional<Beam> beam(double x0, double y0, double x1, double y1) const;
 
     // Which place on the lens a sample of a pixel takes: the beforehand calculated ones in turn, or a new one for each.
     DiscPoint lens_point(SampleKey key) const;
@@ -61,11 +67,9 @@ private:
         double screen_width = 1, screen_height = 1;
 
         // From the middle of the picture to one of its places, at distance 1.
-        Vector aside(double x, double y) const {
-            const double to_right = (x / picture_width - 0.5) * screen_width;
-            const double to_top = (0.5 - y / picture_height) * screen_height;
-            return to_right * right + to_top * up;
-        }
+        Vector aside(double x, double y) const { return to_right(x) * right + to_top(y) * up; }
+        double to_right(double x) const { return (x / picture_width - 0.5) * screen_width; }
+        double to_top(double y) const { return (0.5 - y / picture_height) * screen_height; }
     };
 
     void rays_through_pinhole(const Places& places, RayPacket& packet) const;

@@ -25,6 +25,7 @@ public:
     };
     Placement place(SamplePair square) const;
 
+    double radius() const { return radius_; }
     bool has_negative_lobes() const { return has_negative_lobes_; }
 
 private:

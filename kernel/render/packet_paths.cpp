@@ -64,7 +64,7 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     Wave& wave = *waves_[depth];
     wave.fill_up();
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; ++p) packet_.first_boundaries(wave.rays[p], wave.boundaries[p]);
+    for (std::size_t p = 0; p < packets; ++p) packet_.first_boundaries(wave.rays[p], beam_of(depth), wave.boundaries[p]);
     face_packets_ = 0;
     collect_faces(wave, first);
     light_faces();

@@ -143,6 +143,7 @@ private:
         void take(const Shadows& other, int lane);
     };
 
+    const BeamThroughWorld* beam_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam : nullptr; }
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
     void trace_wave(std::size_t depth, std::span<RaySample> first);
     void collect_faces(Wave& wave, std::span<RaySample> first);
@@ -177,7 +178,7 @@ private:
     // Through transparent matter.
     void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
     void trace_portion(std::size_t depth, std::span<RaySample> first);
-    void find_changes(Wave& wave);
+    void find_changes(Wave& wave, const BeamThroughWorld* beam);
     void collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first);
     enum class Meeting : std::uint8_t { nothing, no_face, plain_face, single_face };
     Meeting go_to_change(Wave& wave, int ray, std::span<RaySample> first);

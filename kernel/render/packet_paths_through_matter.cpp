@@ -33,7 +33,7 @@ void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySamp
 
 void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
-    find_changes(wave);
+    find_changes(wave, beam_of(depth));
     face_packets_ = 0;
     next.clear();
     wave.contributions.clear();
@@ -47,11 +47,11 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = wave.gathered[i] + wave.passed[i] * wave.colours[i];
 }
 
-void PacketPaths::find_changes(Wave& wave) {
+void PacketPaths::find_changes(Wave& wave, const BeamThroughWorld* beam) {
     const std::size_t begin = static_cast<std::size_t>(wave.begin) / width;
     const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
     for (std::size_t p = 0; p < packets; ++p)
-        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], wave.changes[p]);
+        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], beam, wave.changes[p]);
 }
 
 // ---- faces -----------------------------------------------------------------------------------------------------------
@@ -351,7 +351,7 @@ void PacketPaths::cast_dimmed_shadows() {
     for (int lane = 0; lane < dimmed_.rays.count; ++lane) stretch.limit[lane] = dimmed_.gains.to_light[lane];
 
     for (unsigned under_way = all; under_way != 0;) {
-        packet_.first_changes(dimmed_.rays, stretch, changes);
+        packet_.first_changes(dimmed_.rays, stretch, nullptr, changes);
         for (unsigned rest = under_way; rest != 0; rest &= rest - 1) {
             const int lane = std::countr_zero(rest);
             const bool goes_on = dim(lane, changes, stretch.from[lane], passed[lane]);

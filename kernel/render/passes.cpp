@@ -139,7 +139,7 @@ struct Worker {
     std::unique_ptr<Batch> batch = std::make_unique<Batch>();
     std::vector<Pixel> tile;  // where pixels need no memory beyond their tile
     RenderReport report;      // of those
-    std::uint64_t non_finite_samples = 0;
+    std::uint64_t non_finite_samples = 0, spared_samples = 0;
 };
 
 // What the calling thread has used of a processor, in seconds.
@@ -181,7 +181,11 @@ private:
     void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
     void sample_middles(const PixelRegion& tile, Worker& worker);
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
+    void write_middle(Place place, const RaySample& sample, Worker& worker);
     void flush(Worker& worker);
+    void begin_tile(const PixelRegion& tile, Worker& worker) const;
+    std::optional<Beam> beam_of_batch(const Batch& batch, std::size_t size) const;
+    bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
     // Between passes.
@@ -398,6 +402,7 @@ void Passes::trace_goals(const PixelRegion& region) {
 // ---- rays ------------------------------------------------------------------------------------------------------------
 
 void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
+    begin_tile(tile, worker);
     worker.batch->size = 0;
     for_each_pixel(tile, [&](int x, int y) {
         const std::size_t index = index_of(x, y);
@@ -410,6 +415,7 @@ void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
 // All there is to do about a tile at once, so that its pixels need to be remembered only until the next tile: of a large
 // picture that is hundreds of megabytes that are never touched.
 void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
+    begin_tile(tile, worker);
     worker.tile.assign(tile_size * tile_size, Pixel{});
     const auto pixel_at = [&](int x, int y) -> Pixel& {
         return worker.tile[static_cast<std::size_t>(y - tile.y0) * tile_size + static_cast<std::size_t>(x - tile.x0)];
@@ -437,6 +443,7 @@ void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
 
 // A single sample is the middle of its pixel, and tells nothing of its error: there is nothing to remember of it.
 void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
+    begin_tile(tile, worker);
     for (int y = tile.y0; y < tile.y1; y += block_size)
         for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += block_size)
             sample_middles_of_block(intersection({x, y, x + block_size, y + block_size}, tile), worker);
@@ -444,6 +451,14 @@ void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
 
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     Batch& batch = *worker.batch;
+    const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
+    if (const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr)) {
+        for (int y = block.y0; y < block.y1; ++y)
+            for (int x = block.x0; x < block.x1; ++x) write_middle({x, y}, *known, worker);
+        worker.spared_samples += pixel_count(block);
+        return;
+    }
+
     std::array<Place, most_rays> pixels;
     std::size_t size = 0;
     pixels.fill({block.x0, block.y0});
@@ -455,23 +470,48 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
         set_middles(std::span(pixels).subspan(begin).first<batch_size>(), options_.sequence, places);
         if (camera_.has_lens())
             for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
-        camera_.rays(places, static_cast<int>(std::min<std::size_t>(batch_size, size - begin)), batch.rays[begin / batch_size]);
     }
-    const std::size_t packets = (size + batch_size - 1) / batch_size;
-    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), wants_layers_);
-    if (is_cancelled()) return;  // paths may have ended on their way
+    if (!trace(worker, size, wants_layers_)) return;
+    for (std::size_t i = 0; i < size; ++i) write_middle(pixels[i], batch.samples[i], worker);
+}
 
+void Passes::write_middle(Place place, const RaySample& sample, Worker& worker) {
+    const auto [x, y] = place;
+    const bool finite = is_finite(sample.colour);
+    const Colour colour = finite ? sample.colour : Colour::black();
+    worker.non_finite_samples += !finite;
+    store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
+    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = 1;
+    if (wants_layers_) write_layers(place, sample);
+    ++worker.report.samples, ++worker.report.pixels;
+}
+
+// All of its rays, which filters may send beyond its pixels, lie in one beam.
+void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
+    const double reach = std::max(0.5, filter_.radius());
+    const std::optional<Beam> beam =
+        camera_.beam(tile.x0 + 0.5 - reach, tile.y0 + 0.5 - reach, tile.x1 - 0.5 + reach, tile.y1 - 0.5 + reach);
+    worker.integrand->begin_tile(beam ? &*beam : nullptr);
+}
+
+std::optional<Beam> Passes::beam_of_batch(const Batch& batch, std::size_t size) const {
+    double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (std::size_t i = 0; i < size; ++i) {
-        const RaySample& sample = batch.samples[i];
-        const auto [x, y] = pixels[i];
-        const bool finite = is_finite(sample.colour);
-        const Colour colour = finite ? sample.colour : Colour::black();
-        worker.non_finite_samples += !finite;
-        store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
-        if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = 1;
-        if (wants_layers_) write_layers(pixels[i], sample);
+        const CameraRays::Places& places = batch.places[i / batch_size];
+        const double x = places.x.v[i % batch_size], y = places.y.v[i % batch_size];
+        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
     }
-    worker.report.samples += size, worker.report.pixels += size;
+    return camera_.beam(x0, y0, x1, y1);
+}
+
+// The first places of a batch. False where that was cancelled: paths may have ended on their way.
+bool Passes::trace(Worker& worker, std::size_t size, bool layers) const {
+    Batch& batch = *worker.batch;
+    const std::size_t packets = (size + batch_size - 1) / batch_size;
+    for (std::size_t p = 0; p < packets; ++p)
+        camera_.rays(batch.places[p], static_cast<int>(std::min<std::size_t>(batch_size, size - p * batch_size)), batch.rays[p]);
+    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), layers);
+    return !is_cancelled();
 }
 
 void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker) {
@@ -507,12 +547,14 @@ void Passes::flush(Worker& worker) {
     Batch& batch = *worker.batch;
     const std::size_t size = std::exchange(batch.size, 0);
     if (size == 0 || is_stopped()) return;
-    const std::size_t packets = (size + batch_size - 1) / batch_size;
-    for (std::size_t p = 0; p < packets; ++p)
-        camera_.rays(batch.places[p], static_cast<int>(std::min<std::size_t>(batch_size, size - p * batch_size)), batch.rays[p]);
     const bool layers = std::exchange(batch.layers, false);
-    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), layers);
-    if (is_cancelled()) return;  // paths may have ended on their way
+    const std::optional<Beam> beam = beam_of_batch(batch, size);
+    if (const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr)) {
+        std::fill_n(batch.samples.begin(), size, *known);
+        worker.spared_samples += size;
+    } else if (!trace(worker, size, layers)) {
+        return;
+    }
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
@@ -538,6 +580,7 @@ void Passes::preview() {
 
 // One ray in the middle of each block paints all of it.
 void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
+    worker.integrand->begin_tile(nullptr);
     for (int y = tile.y0; y < tile.y1 && !is_stopped(); y += block)
         for (int x = tile.x0; x < tile.x1; x += block) {
             const PixelRegion painted = intersection({x, y, x + block, y + block}, tile);
@@ -740,6 +783,8 @@ RenderReport Passes::report() {
     for (const Worker& worker : workers_) {
         report.trace += worker.integrand->statistics();
         report.trace.non_finite_samples += worker.non_finite_samples;
+        report.trace.camera_rays += worker.spared_samples;
+        report.trace.camera_rays_skipped += worker.spared_samples;
     }
     report.seconds = elapsed().count();
     report.processor_seconds = processor_seconds_;

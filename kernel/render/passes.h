@@ -19,6 +19,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "kernel/export.h"
@@ -37,6 +38,10 @@ public:
     // Ray i stands in lane i % width of packet i / width; all packets but the last are full. `all_layers`: more than the
     // colour is wanted.
     virtual void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) = 0;
+    // The rays to come lie within a tile's beam; null: anywhere.
+    virtual void begin_tile(const Beam*) {}
+    // Of these, the next within a part of it. What all of them bring back, where that is known: they need not be traced.
+    virtual std::optional<RaySample> begin_part(const Beam*) { return std::nullopt; }
     virtual TraceStatistics statistics() const { return {}; }
 };
 

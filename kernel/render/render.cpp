@@ -20,6 +20,8 @@ public:
     void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) override {
         tracer_.trace(rays, samples, all_layers);
     }
+    void begin_tile(const Beam* beam) override { tracer_.begin_tile(beam); }
+    std::optional<RaySample> begin_part(const Beam* beam) override { return tracer_.begin_part(beam); }
     TraceStatistics statistics() const override { return tracer_.statistics(); }
 
 private:

@@ -14,6 +14,7 @@ namespace lapidary {
 
 TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
+    camera_rays_skipped += o.camera_rays_skipped;
     shadow_rays += o.shadow_rays, shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
     non_finite_samples += o.non_finite_samples, first_cell_disagreements += o.first_cell_disagreements;
     march_steps += o.march_steps, slivers_removed += o.slivers_removed, octaves_faded += o.octaves_faded;
@@ -348,7 +349,12 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
 }
 
 Tracer::Implementation::Implementation(const World& w, const RenderSettings& s, double footprint)
-    : world(w), settings(s), pixel_footprint(footprint), ray_through_world(w, statistics), shadow_through_world(w, statistics) {
+    : world(w),
+      settings(s),
+      pixel_footprint(footprint),
+      ray_through_world(w, statistics),
+      shadow_through_world(w, statistics),
+      beam(w) {
     for (const auto& light : world.lights) extended_lights += light->has_extent() ? 1 : 0;
     packets = std::make_unique<PacketPaths>(*this);
 }
@@ -382,6 +388,18 @@ void Tracer::trace(std::span<const RayPacket> rays, std::span<RaySample> samples
     else
         tracer.trace_rays(rays, samples, all_layers);
     tracer.statistics.octaves_faded += octaves_faded_by_thread() - faded_before;
+}
+
+void Tracer::begin_tile(const Beam* beam) { implementation_->beam.begin_tile(beam); }
+
+std::optional<RaySample> Tracer::begin_part(const Beam* beam) {
+    Implementation& tracer = *implementation_;
+    if (tracer.observer || tracer.one_by_one) return std::nullopt;
+    tracer.beam.begin_part(beam);
+    if (!tracer.beam.is_empty()) return std::nullopt;
+    RaySample nothing;
+    nothing.colour = tracer.world.background;
+    return nothing;
 }
 
 void Tracer::trace_one_by_one(bool one_by_one) { implementation_->one_by_one = one_by_one; }

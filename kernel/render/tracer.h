@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "kernel/export.h"
@@ -21,6 +22,7 @@
 
 namespace lapidary {
 
+struct Beam;
 class World;
 struct RayPacket;
 struct RenderSettings;
@@ -38,6 +40,7 @@ struct RaySample {
 // What tracing cost and what it skipped; one per thread, added up at the end.
 struct TraceStatistics {
     std::uint64_t camera_rays = 0, mirrored_rays = 0, refracted_rays = 0, shadow_rays = 0;
+    std::uint64_t camera_rays_skipped = 0;       // in parts of the picture where nothing is in reach
     std::uint64_t shadow_rays_skipped = 0;       // lights that send nothing to the point
     std::uint64_t object_tests = 0;              // calls of Object::spans (a batch counts its lanes)
     std::uint64_t slivers_removed = 0;           // cells of rounding length between different surfaces (rule S)
@@ -75,6 +78,11 @@ public:
     void trace(std::span<const Ray> rays, std::span<RaySample> samples);
     // The same for packets of which all but the last are full; with `all_layers` false, samples get colours only.
     void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
+
+    // The camera rays to come lie within a tile's beam; null: anywhere.
+    void begin_tile(const Beam* beam);
+    // Of these, the next within a part of it. What all of them bring back, where that is known: they need not be traced.
+    std::optional<RaySample> begin_part(const Beam* beam);
 
     // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.
     void trace_one_by_one(bool one_by_one);

@@ -79,6 +79,7 @@ struct Tracer::Implementation {
     double pixel_footprint;
     TraceStatistics statistics;
     RayThroughWorld ray_through_world, shadow_through_world;
+    BeamThroughWorld beam;  // of the camera rays
     std::unique_ptr<PacketPaths> packets;
     bool one_by_one = false;
     std::function<void(const PathEvent&)> observer;

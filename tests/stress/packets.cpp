@@ -46,7 +46,7 @@ private:
     void compare() {
         waiting_.fill_up();
         BoundaryPacket boundaries;
-        packets_->first_boundaries(waiting_, boundaries);
+        packets_->first_boundaries(waiting_, nullptr, boundaries);
         const unsigned bits = packets_->blocked(waiting_, distances_);
         for (int i = 0; i < waiting_.count; ++i) {
             single_->start(waiting_.ray(i));

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+//
+// What holds all camera rays of a rectangle of the picture: the space between four planes through the eye.
+//
+// A box that lies wholly outside one of the planes is met by none of the rays. (One that lies outside of the beam, but not of any
+// one plane, counts as met: that costs a test, and loses nothing.)
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "kernel/math/vector.h"
+
+namespace lapidary {
+
+struct Beam {
+    Point eye;
+    std::array<Vector, 4> inward;  // unit normals of the planes
+    Vector middle;                 // unit, along the middle of the rectangle
+};
+
+// A beam among boxes that are given relative to an anchor.
+class BeamAmongBoxes {
+public:
+    // Boxes are not further than `reach` from the anchor. What rounding may do to a distance from a plane is allowed for: that
+    // of the eye's place and of the box's corner, and a few ulp of the sums of their products.
+    BeamAmongBoxes(const Beam& beam, const Point& anchor, double reach) : middle_(beam.middle) {
+        const Vector eye = beam.eye - anchor;
+        const double size = largest_magnitude(beam.eye) + largest_magnitude(anchor) + largest_magnitude(to_point(eye)) + reach;
+        const double slack = 0x1p-48 * size;
+        for (std::size_t i = 0; i < sides_.size(); ++i) sides_[i] = {beam.inward[i], dot(beam.inward[i], eye) - slack};
+        depth_of_eye_ = dot(beam.middle, eye);
+    }
+
+    // Whether any ray may meet a box. What is no number counts as met.
+    template <class Corner>
+    bool may_meet(const Corner& low, const Corner& high) const {
+        for (const Side& side : sides_)
+            if (furthest(side.inward, low, high) < side.begin) return false;
+        return true;
+    }
+
+    // How far along the middle a box begins.
+    template <class Corner>
+    double depth(const Corner& low, const Corner& high) const {
+        return -furthest(-middle_, low, high) - depth_of_eye_;
+    }
+
+private:
+    struct Side {
+        Vector inward;
+        double begin = 0;  // what dot(inward, p) is at least, inside
+    };
+
+    template <class Corner>
+    static double furthest(const Vector& along, const Corner& low, const Corner& high) {
+        return along.x * (along.x > 0 ? high[0] : low[0]) + along.y * (along.y > 0 ? high[1] : low[1]) +
+               along.z * (along.z > 0 ? high[2] : low[2]);
+    }
+
+    std::array<Side, 4> sides_;
+    Vector middle_;
+    double depth_of_eye_ = 0;
+};
+
+}  // namespace lapidary
