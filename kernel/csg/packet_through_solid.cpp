@@ -17,14 +17,18 @@ double lesser(double a, double b) { return a < b ? a : b; }
 double greater(double a, double b) { return a > b ? a : b; }
 
 // By halves, as vectors are folded.
-template <class Choose>
-double fold(Lanes lanes, Choose choose) {
-    for (int half = PacketThroughSolid::width / 2; half > 0; half /= 2)
-        for (int i = 0; i < half; ++i) lanes[i] = choose(lanes[i], lanes[half + i]);
-    return lanes[0];
+template <std::size_t count, class Choose>
+double fold(const std::array<double, count>& values, Choose choose) {
+    if constexpr (count == 1) {
+        return values[0];
+    } else {
+        std::array<double, count / 2> half;
+        for (std::size_t i = 0; i < half.size(); ++i) half[i] = choose(values[i], values[half.size() + i]);
+        return fold(half, choose);
+    }
 }
-double least(const Lanes& lanes) { return fold(lanes, lesser); }
-double largest(const Lanes& lanes) { return fold(lanes, greater); }
+double least(const Lanes& lanes) { return fold(lanes.v, lesser); }
+double largest(const Lanes& lanes) { return fold(lanes.v, greater); }
 
 // Intersects what is left of each lane, from t to first_out, with a leaf's span. Returns how many lanes are left. A leaf that is
 // alone is met even where t, at a distance, no longer tells its ends apart.
