@@ -54,6 +54,8 @@ public:
         bool inside;
     };
     FirstChange next_change_of_single(const Solid& solid, double from, int lane);
+    // The lines of the rays in a leaf's space.
+    const PlacedLines& placed_lines(std::int32_t leaf);
     // Where every lane meets a sheet that shares no plane.
     void cross_sheet(std::int32_t leaf, Lanes& t);
 
@@ -103,7 +105,6 @@ private:
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
     template <class Departs>
     void find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in, Lanes& out) const;
-    const PlacedLines& placed_lines(std::int32_t leaf);
     void remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const;
 
     const World& world_;

@@ -54,10 +54,15 @@ PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& stat
 
 void PacketThroughWorld::start(const RayPacket& rays) {
     packet_ = &rays;
+    is_ready_for_boxes_ = false;
     solid_.start(rays);
-    round_rays();
     // Lanes without a ray are done from the start.
     for (int i = rays.count; i < width; ++i) limits_[i] = -1;
+}
+
+void PacketThroughWorld::get_ready_for_boxes() {
+    is_ready_for_boxes_ = true;
+    round_rays();
     set_limits();
 }
 
@@ -99,6 +104,7 @@ void PacketThroughWorld::round_rays() {
 }
 
 void PacketThroughWorld::set_limits() {
+    if (!is_ready_for_boxes_) return;
     for (int i = 0; i < width; ++i) {
         const double limit = limits_[i] - shifts_[i] + 0x1p-50 * shifts_[i];
         const float rounded = float_above(limit);
@@ -153,6 +159,11 @@ void PacketThroughWorld::for_each_solid_in(const BeamThroughWorld* beam, Visit v
         return;
     }
     for (std::int32_t solid : world_.unbounded) visit(solid);
+    if (beam->solids().size() == 1) {  // most rays that lie near one solid only meet its box
+        visit(beam->solids().front().solid);
+        return;
+    }
+    get_ready_for_boxes();
     FloatLanes near;
     for (const SolidInBeam& in_beam : beam->solids())
         if (meets(in_beam.low, in_beam.high, near)) visit(in_beam.solid);
@@ -162,6 +173,7 @@ template <PacketThroughWorld::Order order, class Visit>
 void PacketThroughWorld::walk(Visit visit) {
     const std::vector<Hierarchy::Node>& nodes = world_.hierarchy.nodes();
     if (nodes.empty()) return;
+    get_ready_for_boxes();
     std::array<FloatLanes, 2> near;
     std::int32_t child = 0;
     for (int size = 0;;) {

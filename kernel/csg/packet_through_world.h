@@ -26,6 +26,9 @@ public:
     // `beam`: what all of the rays lie in; null: anywhere.
     void first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries);
 
+    // The lines of the last packet of rays in a leaf's space.
+    const PlacedLines& placed_lines(std::int32_t leaf) { return solid_.placed_lines(leaf); }
+
     // Whether anything lies between each ray's start and its distance: bit i for ray i.
     unsigned blocked(const RayPacket& rays, const Lanes& distances);
 
@@ -56,6 +59,7 @@ private:
     enum class Order : std::uint8_t { near_first, any };
 
     void start(const RayPacket& rays);
+    void get_ready_for_boxes();
     void round_rays();
     void set_limits();
     template <Order order, class Visit>
@@ -83,6 +87,7 @@ private:
     double reach_ = 0;  // a radius about the hierarchy's anchor that all of its boxes are within
 
     const RayPacket* packet_ = nullptr;
+    bool is_ready_for_boxes_ = false;  // the rays are rounded
     PacketThroughSolid solid_;
     Lanes limits_, shifts_;
     // Of the solids that a ray starts in the two that come first, and whether what it meets first is shared, or not for lanes.

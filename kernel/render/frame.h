@@ -49,14 +49,19 @@ private:
     std::uint32_t bits_ = 0;
 };
 
+// Of what lies wholly within a piece of memory; where the system has none, nothing changes.
+LAPIDARY_API void ask_for_large_pages(void* memory, std::size_t size);
+
 // Memory that is zero because the system gives it so: pages that nothing is written to are never made, and the others by the
-// threads that write to them.
+// threads that write to them. Large ones are asked for, as the rows of a block of pixels would each be on another small one.
 template <class T>
 struct ZeroMemory {
     using value_type = T;
     T* allocate(std::size_t count) {
-        if (void* const memory = std::calloc(count, sizeof(T))) return static_cast<T*>(memory);
-        throw std::bad_alloc();
+        void* const memory = std::calloc(count, sizeof(T));
+        if (!memory) throw std::bad_alloc();
+        ask_for_large_pages(memory, count * sizeof(T));
+        return static_cast<T*>(memory);
     }
     void deallocate(T* memory, std::size_t) { std::free(memory); }
     template <class U>

@@ -64,9 +64,14 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     Wave& wave = *waves_[depth];
     wave.fill_up();
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; ++p) packet_.first_boundaries(wave.rays[p], beam_of(depth), wave.boundaries[p]);
     face_packets_ = 0;
-    collect_faces(wave, first);
+    single_faces_ = nullptr;
+    std::uint64_t waiting = 0;
+    for (std::size_t p = 0; p < packets; ++p) {
+        packet_.first_boundaries(wave.rays[p], beam_of(depth), wave.boundaries[p]);
+        waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
+    }
+    collect_faces(wave, waiting, first);
     light_faces();
     finish_colours(depth);
 
@@ -94,22 +99,27 @@ bool PacketPaths::is_plain(const Wave& wave, int ray) const {
     return leaf.first_surface < 0 && (leaf.appearance >= 0 || world_.solids[wave.solid(ray)].is_product);
 }
 
-void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
-    single_faces_ = nullptr;
-    std::uint64_t waiting = 0;
-    for (int i = 0; i < wave.count; ++i) {
-        if (wave.t(i) < infinity)
-            waiting |= std::uint64_t{1} << i;
-        else
-            wave.colours[i] = world_.background;
-    }
-    constexpr std::uint64_t all_lanes = (1u << width) - 1;
-    for (int packet = 0; packet < wave.count / width; ++packet) {
-        const std::uint64_t rays = all_lanes << (packet * width);
-        if ((waiting & rays) != rays || !wave.boundaries[packet].are_of_one_leaf() || !is_plain(wave, packet * width)) continue;
-        meet_one_leaf(wave, packet, first);
-        waiting &= ~rays;
-    }
+// Of one packet; returns the rays that are to be gathered with those of others: bit i for ray i. Where all rays meet the same
+// leaf, as is usual where they are close together, nothing has to be gathered.
+std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<RaySample> first) {
+    const BoundaryPacket& boundaries = wave.boundaries[packet];
+    const int begin = packet * width, count = std::min(width, wave.count - begin);
+    std::uint64_t met = 0;
+    for (int lane = 0; lane < count; ++lane) met |= static_cast<std::uint64_t>(boundaries.t[lane] < infinity) << lane;
+    for (int lane = 0; lane < count; ++lane)
+        if ((met >> lane & 1) == 0) wave.colours[begin + lane] = world_.background;
+    constexpr std::uint64_t all = (1u << width) - 1;
+    if (met != all || !boundaries.are_of_one_leaf() || !is_plain(wave, begin)) return met;
+
+    FacePacket& faces = new_faces();
+    faces.count = width;
+    for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
+    const std::int32_t leaf = boundaries.leaf[0];
+    show_leaf(wave, leaf, boundaries.solid[0], wave.rays[packet], boundaries.t, packet_.placed_lines(leaf), faces, first);
+    return 0;
+}
+
+void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first) {
     while (waiting != 0) {
         const int ray = std::countr_zero(waiting);
         if (is_plain(wave, ray)) {
@@ -120,15 +130,6 @@ void PacketPaths::collect_faces(Wave& wave, std::span<RaySample> first) {
         }
     }
     if (single_faces_) single_faces_->fill_up();
-}
-
-// All rays of a packet meet the same leaf, as is usual where rays are close together: nothing has to be gathered.
-void PacketPaths::meet_one_leaf(Wave& wave, int packet, std::span<RaySample> first) {
-    const BoundaryPacket& boundaries = wave.boundaries[packet];
-    FacePacket& faces = new_faces();
-    faces.count = width;
-    for (int lane = 0; lane < width; ++lane) faces.ray[lane] = packet * width + lane;
-    show_leaf(wave, boundaries.leaf[0], boundaries.solid[0], wave.rays[packet], boundaries.t, faces, first);
 }
 
 // The first waiting ray's face, together with those of other rays that meet the same leaf.
@@ -149,12 +150,14 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
-    show_leaf(wave, leaf, wave.solid(leader), rays, t, faces, first);
+    PlacedLines placed;
+    place_lines(world_.leaves[leaf].placement, rays, placed);
+    show_leaf(wave, leaf, wave.solid(leader), rays, t, placed, faces, first);
 }
 
 // The faces of a leaf with the matter that they show; faces.ray is known already.
 void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t of_solid, const RayPacket& rays, const Lanes& t,
-                            FacePacket& faces, std::span<RaySample> first) {
+                            const PlacedLines& placed, FacePacket& faces, std::span<RaySample> first) {
     const Leaf& leaf = world_.leaves[index];
     const Solid& solid = world_.solids[of_solid];
     const std::int32_t shown =
@@ -166,7 +169,7 @@ void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t o
         faces.departure[lane] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
         note_path(wave.paths[ray], lane, t, faces);
     }
-    place_faces(leaf, rays, t, faces);
+    place_faces(leaf, rays, t, placed, faces);
     give_matter(material, faces);
     describe(leaf, material, faces, first);
 }
@@ -218,20 +221,19 @@ PointBatch PacketPaths::local_points(const PlacedLines& __restrict placed, const
 }
 
 // LineThroughSolid::face_at for all lanes.
-void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
-    PlacedLines placed;
-    place_lines(leaf.placement, rays, placed);
+void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                              FacePacket& faces) {
     SpanBatch spans;
     leaf.object->spans_batch(placed.lines, width, &spans);
     PointBatch local = local_points(placed, spans, t);
 
     // Beside the rays' origins points are taken from there.
-    std::int64_t near_count = 0;
-    for (int i = 0; i < width; ++i) near_count += is_near_root(t[i], placed.anchor[i]);
-    const bool any_near = near_count > 0 && leaf.face_count > 0;
+    std::uint64_t near_lanes = 0;
+    for (int i = 0; i < width; ++i) near_lanes |= static_cast<std::uint64_t>(is_near_root(t[i], placed.anchor[i])) << i;
+    if (leaf.face_count == 0) near_lanes = 0;
     std::array<TwoPartPoint, width> near;
-    for (int i = 0; any_near && i < width; ++i) {
-        if (!is_near_root(t[i], placed.anchor[i])) continue;
+    for (std::uint64_t rest = near_lanes; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
         near[i] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
         const Point p = leaf.placement.to_local(near[i]);
         local.x[i] = p.x, local.y[i] = p.y, local.z[i] = p.z;
@@ -244,8 +246,10 @@ void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lan
         place_in_world<true>(leaf.placement, local, normals, faces);
     else
         place_in_world<false>(leaf.placement, local, normals, faces);
-    for (int i = 0; any_near && i < width; ++i)
-        if (is_near_root(t[i], placed.anchor[i])) faces.anchor.set(i, near[i].anchor), faces.offset.set(i, near[i].offset);
+    for (std::uint64_t rest = near_lanes; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        faces.anchor.set(i, near[i].anchor), faces.offset.set(i, near[i].offset);
+    }
     for (int i = 0; i < width; ++i) {
         faces.points.x[i] = faces.anchor.x[i] + faces.offset.x[i];
         faces.points.y[i] = faces.anchor.y[i] + faces.offset.y[i];

@@ -146,19 +146,20 @@ private:
     const BeamThroughWorld* beam_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam : nullptr; }
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
     void trace_wave(std::size_t depth, std::span<RaySample> first);
-    void collect_faces(Wave& wave, std::span<RaySample> first);
+    std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<RaySample> first);
+    void collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first);
     bool is_plain(const Wave& wave, int ray) const;
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
-    void meet_one_leaf(Wave& wave, int packet, std::span<RaySample> first);
     void add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t);
     void note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces);
     void show_leaf(const Wave& wave, std::int32_t leaf, std::int32_t solid, const RayPacket& rays, const Lanes& t,
-                   FacePacket& faces, std::span<RaySample> first);
+                   const PlacedLines& placed, FacePacket& faces, std::span<RaySample> first);
     void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
     void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
-    static void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    static void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                            FacePacket& faces);
     static PointBatch local_points(const PlacedLines& placed, const SpanBatch& spans, const Lanes& t);
     template <bool identity>
     static void place_in_world(const Transform& placement, const PointBatch& local, const NormalBatch& normals,

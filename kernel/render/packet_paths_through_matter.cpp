@@ -237,10 +237,13 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
-    if (leaf.first_surface >= 0)
+    if (leaf.first_surface >= 0) {
         place_shared_faces(leaf, leading.face[leader % width], rays, t, faces);
-    else
-        place_faces(leaf, rays, t, faces);
+    } else {
+        PlacedLines placed;
+        place_lines(leaf.placement, rays, placed);
+        place_faces(leaf, rays, t, placed, faces);
+    }
     give_matter_at_changes(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
 }
