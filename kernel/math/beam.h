@@ -15,8 +15,8 @@ namespace lapidary {
 
 struct Beam {
     Point eye;
-    std::array<Vector, 4> inward;  // unit normals of the planes
-    Vector middle;                 // unit, along the middle of the rectangle
+    std::array<Vector, 4> inward;  // normals of the planes, not shorter than 1
+    Vector middle;                 // along the middle of the rectangle
 };
 
 // A beam among boxes that are given relative to an anchor.
@@ -28,7 +28,11 @@ public:
         const Vector eye = beam.eye - anchor;
         const double size = largest_magnitude(beam.eye) + largest_magnitude(anchor) + largest_magnitude(to_point(eye)) + reach;
         const double slack = 0x1p-48 * size;
-        for (std::size_t i = 0; i < sides_.size(); ++i) sides_[i] = {beam.inward[i], dot(beam.inward[i], eye) - slack};
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            const Vector& inward = beam.inward[i];
+            const double length = std::fabs(inward.x) + std::fabs(inward.y) + std::fabs(inward.z);
+            sides_[i] = {inward, dot(inward, eye) - slack * length};
+        }
         depth_of_eye_ = dot(beam.middle, eye);
     }
 
@@ -40,7 +44,7 @@ public:
         return true;
     }
 
-    // How far along the middle a box begins.
+    // How far along the middle a box begins, in its lengths.
     template <class Corner>
     double depth(const Corner& low, const Corner& high) const {
         return -furthest(-middle_, low, high) - depth_of_eye_;

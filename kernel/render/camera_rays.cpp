@@ -117,9 +117,9 @@ std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1)
     const Vector& forward = view_.forward;
     Beam beam;
     beam.eye = location_;
-    beam.inward = {normalize(view_.right - (left - margin) * forward), normalize((right + margin) * forward - view_.right),
-                   normalize(view_.up - (bottom - margin) * forward), normalize((top + margin) * forward - view_.up)};
-    beam.middle = normalize(forward + 0.5 * (left + right) * view_.right + 0.5 * (bottom + top) * view_.up);
+    beam.inward = {view_.right - (left - margin) * forward, (right + margin) * forward - view_.right,
+                   view_.up - (bottom - margin) * forward, (top + margin) * forward - view_.up};
+    beam.middle = forward + 0.5 * (left + right) * view_.right + 0.5 * (bottom + top) * view_.up;
     return beam;
 }
 

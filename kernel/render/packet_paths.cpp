@@ -48,9 +48,9 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
         wave.count = static_cast<int>(part.size());
         const auto packets = rays.subspan(begin / width, (part.size() + width - 1) / width);
         std::copy(packets.begin(), packets.end(), wave.rays.begin());
-        std::fill_n(wave.paths.begin(), wave.count, Path{});
         const auto first = all_layers ? part : std::span<RaySample>{};
         if (world_.features.transparency) {
+            std::fill_n(wave.paths.begin(), wave.count, Path{});  // no other ray takes their places in an opaque World
             wave.begin_camera_rays();
             trace_wave_through_matter(0, first);
         } else {

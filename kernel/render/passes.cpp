@@ -88,6 +88,8 @@ constexpr std::array<Place, most_rays> pixels_of_block = [] {
     return pixels;
 }();
 
+bool is_in_block(Place place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
+
 // Visits a tile's pixels along the Z-shaped curve of Morton.
 template <typename Visit>
 void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
@@ -181,7 +183,7 @@ private:
     void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
     void sample_middles(const PixelRegion& tile, Worker& worker);
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
-    void write_middle(Place place, const RaySample& sample, Worker& worker);
+    void write_middles(const PixelRegion& block, Worker& worker);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
     std::optional<Beam> beam_of_batch(const Batch& batch, std::size_t size) const;
@@ -453,9 +455,9 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     Batch& batch = *worker.batch;
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
     if (const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr)) {
-        for (int y = block.y0; y < block.y1; ++y)
-            for (int x = block.x0; x < block.x1; ++x) write_middle({x, y}, *known, worker);
+        std::fill_n(worker.batch->samples.begin(), pixel_count(block), *known);
         worker.spared_samples += pixel_count(block);
+        write_middles(block, worker);
         return;
     }
 
@@ -463,7 +465,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     std::size_t size = 0;
     pixels.fill({block.x0, block.y0});
     for (const Place& place : pixels_of_block)
-        if (place.x < block.width() && place.y < block.height()) pixels[size++] = {block.x0 + place.x, block.y0 + place.y};
+        if (is_in_block(place, block)) pixels[size++] = {block.x0 + place.x, block.y0 + place.y};
 
     for (std::size_t begin = 0; begin < size; begin += batch_size) {
         CameraRays::Places& places = batch.places[begin / batch_size];
@@ -471,19 +473,33 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
         if (camera_.has_lens())
             for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
     }
-    if (!trace(worker, size, wants_layers_)) return;
-    for (std::size_t i = 0; i < size; ++i) write_middle(pixels[i], batch.samples[i], worker);
+    if (trace(worker, size, wants_layers_)) write_middles(block, worker);
 }
 
-void Passes::write_middle(Place place, const RaySample& sample, Worker& worker) {
-    const auto [x, y] = place;
-    const bool finite = is_finite(sample.colour);
-    const Colour colour = finite ? sample.colour : Colour::black();
-    worker.non_finite_samples += !finite;
-    store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
-    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = 1;
-    if (wants_layers_) write_layers(place, sample);
-    ++worker.report.samples, ++worker.report.pixels;
+// The samples of a block, one for each pixel, in the order of pixels_of_block.
+void Passes::write_middles(const PixelRegion& block, Worker& worker) {
+    const RaySample* sample = worker.batch->samples.data();
+    std::array<double, 3 * most_rays> colours{};  // row by row
+    for (const Place& place : pixels_of_block) {
+        if (!is_in_block(place, block)) continue;
+        const Place pixel{block.x0 + place.x, block.y0 + place.y};
+        if (wants_layers_) write_layers(pixel, *sample);
+        if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
+        const Colour& colour = (sample++)->colour;
+        if (!is_finite(colour)) {
+            ++worker.non_finite_samples;
+            continue;
+        }
+        double* const to = &colours[static_cast<std::size_t>(3 * (place.y * block_size + place.x))];
+        to[0] = colour.r, to[1] = colour.g, to[2] = colour.b;
+    }
+    std::array<float, 3 * most_rays> rounded;
+    for (std::size_t i = 0; i < rounded.size(); ++i) rounded[i] = to_float(colours[i]);
+    for (int y = 0; y < block.height(); ++y) {
+        const std::span<float> row = frame_.row(Layer::colour, block.x0, block.x1, block.y0 + y);
+        std::copy_n(&rounded[static_cast<std::size_t>(3 * y * block_size)], row.size(), row.begin());
+    }
+    worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
