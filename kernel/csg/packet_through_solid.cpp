@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "kernel/csg/departure.h"
 #include "kernel/csg/near_root.h"
@@ -230,7 +231,27 @@ void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
     }
 }
 
+// Whether every ray departs outward from a leaf that the solid lies inside of: as leaves of a product are met in one piece, it
+// does not come back. So most shadow rays are done with the solid that they start on.
+bool PacketThroughSolid::all_leave(const Solid& solid, const Lanes& limit) const {
+    if (last_departed_ < solid.first_leaf || first_departed_ >= solid.first_leaf + solid.leaf_count) return false;
+    const std::span positive(world_.product_leaves.data() + solid.first_product_leaf,
+                             static_cast<std::size_t>(solid.positive_count));
+    for (int i = 0; i < width; ++i) {
+        if (!(limit[i] >= 0)) continue;
+        const Departure& departure = rays_->departure[static_cast<std::size_t>(i)];
+        const bool leaves = departure.leaf >= 0 && !departure.inward && world_.leaves[departure.leaf].first_surface < 0 &&
+                            std::find(positive.begin(), positive.end(), departure.leaf) != positive.end();
+        if (!leaves) return false;
+    }
+    return true;
+}
+
 void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
+    if (all_leave(solid, limit)) {
+        t.v.fill(infinity), leaf.fill(-1);
+        return;
+    }
     // All of the positive leaves: the last entry, while none has ended.
     const std::int32_t* positive = world_.product_leaves.data() + solid.first_product_leaf;
     Lanes first_out;

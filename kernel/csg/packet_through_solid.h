@@ -71,6 +71,7 @@ private:
         Bounds around;  // all that lies within the slack
     };
 
+    bool all_leave(const Solid& solid, const Lanes& limit) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);

@@ -65,10 +65,12 @@ std::size_t pixel_count(const PixelRegion& region) {
     return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
 }
 
+// Parts of the squares that the whole picture is divided into.
 std::vector<PixelRegion> tiles_of(const PixelRegion& region) {
     std::vector<PixelRegion> tiles;
-    for (int y = region.y0; y < region.y1; y += tile_size)
-        for (int x = region.x0; x < region.x1; x += tile_size)
+    if (region.is_empty()) return tiles;
+    for (int y = region.y0 / tile_size * tile_size; y < region.y1; y += tile_size)
+        for (int x = region.x0 / tile_size * tile_size; x < region.x1; x += tile_size)
             tiles.push_back(intersection({x, y, x + tile_size, y + tile_size}, region));
     return tiles;
 }
@@ -216,6 +218,10 @@ private:
         return static_cast<std::size_t>(y - area_.y0) * static_cast<std::size_t>(area_.width()) +
                static_cast<std::size_t>(x - area_.x0);
     }
+    std::size_t tile_of(const PixelRegion& tile) const {
+        const std::size_t in_row = (static_cast<std::size_t>(picture_.width()) + tile_size - 1) / tile_size;
+        return static_cast<std::size_t>(tile.y0 / tile_size) * in_row + static_cast<std::size_t>(tile.x0 / tile_size);
+    }
     bool is_in_region(int x, int y) const { return x >= region_.x0 && x < region_.x1 && y >= region_.y0 && y < region_.y1; }
     bool finishes_tiles_at_once() const { return plan_.samples == 1 || (plan_.samples > 1 && !filter_.has_negative_lobes()); }
     bool is_stopped() const;
@@ -240,6 +246,7 @@ private:
     PixelRegion area_;                           // with the margin that its estimates need
     std::vector<Pixel> pixels_;                  // of the area
     std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
+    std::vector<std::uint8_t> rests_;            // of each tile of the picture: whether all errors are within the tolerance
     bool wants_layers_ = false;
 
     bool is_previewing_ = false;  // the first coarse picture is being made
@@ -312,6 +319,7 @@ void Passes::render_all() {
     if (options_.preview || options_.time) preview();
     // Of a large picture these are hundreds of megabytes, which a first view need not wait for.
     if (!finishes_tiles_at_once()) pixels_.resize(pixel_count(area_));
+    rests_.resize(tiles_of(picture_).size());
     if (filter_.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
     if (plan_.samples > 0)
         sample_uniformly(plan_.samples);
@@ -363,8 +371,10 @@ void Passes::sample_until_time_is_up() {
         trace_goals(region_);
     }
     // Each tolerance starts from what the one before it left.
-    for (double tolerance = coarsest_tolerance; tolerance > finest_tolerance && !is_stopped(); tolerance /= 2)
+    for (double tolerance = coarsest_tolerance; tolerance > finest_tolerance && !is_stopped(); tolerance /= 2) {
+        std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
         while (!is_stopped() && refine_goals(region_, tolerance)) trace_goals(region_);
+    }
 }
 
 template <typename Body>
@@ -383,6 +393,7 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
 
 void Passes::trace_goals(const PixelRegion& region) {
     for_each_tile(region, [&](const PixelRegion& tile) {
+        if (rests_[tile_of(tile)] != 0) return;
         std::uint64_t samples = 0;
         for_each_pixel(tile, [&](int x, int y) {
             const Pixel& pixel = pixels_[index_of(x, y)];
@@ -699,6 +710,7 @@ bool Passes::may_not_rest(const Pixel& pixel, double tolerance) const {
 bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
     // All estimates first: they look at the neighbours' samples, which stay as they are meanwhile.
     for_each_tile(region, [&](const PixelRegion& tile) {
+        if (rests_[tile_of(tile)] != 0) return;
         for_each_pixel(tile, [&](int x, int y) {
             Pixel& pixel = pixels_[index_of(x, y)];
             if (pixel.error > tolerance) pixel.error = to_float(estimated_error(x, y));
@@ -708,12 +720,16 @@ bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
     std::atomic<std::uint64_t> to_come{0};
     std::atomic<std::size_t> going_on{0}, going_on_in_region{0};
     for_each_tile(region, [&](const PixelRegion& tile) {
+        if (rests_[tile_of(tile)] != 0) return;
         std::uint64_t samples = 0;
         std::size_t pixels = 0, pixels_in_region = 0;
+        bool rests = true;
         for_each_pixel(tile, [&](int x, int y) {
             Pixel& pixel = pixels_[index_of(x, y)];
             const bool too_early = may_not_rest(pixel, tolerance);
-            if ((pixel.error <= tolerance && !too_early) || !may_go_on(pixel)) return;
+            const bool is_good = pixel.error <= tolerance && !too_early;
+            rests &= is_good;
+            if (is_good || !may_go_on(pixel)) return;
             samples += std::max<std::uint64_t>(pixel.taken, samples_to_come(pixel, tolerance, most_samples_));
             if (too_early) pixel.error = std::numeric_limits<float>::infinity();  // look again, whatever it seems now
             if (pixel.taken > first_samples_) pixel.earlier_moves = to_float(moves_of(index_of(x, y)));
@@ -722,6 +738,7 @@ bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
             pixels += 1;
             pixels_in_region += is_in_region(x, y);
         });
+        rests_[tile_of(tile)] = rests ? 1 : 0;
         to_come += samples, going_on += pixels, going_on_in_region += pixels_in_region;
     });
     if (is_stopped()) return false;
