@@ -399,13 +399,58 @@ void PacketPaths::begin_light(FacePacket& faces) {
     }
 }
 
+namespace {
+
+// The cosines of the angles between light and shading normal, mirrored ray and true normal. Returns the lanes that may be lit:
+// bit i for lane i.
+template <class Faces>
+unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __restrict light, Lanes& __restrict cosine,
+                     Lanes& __restrict along_mirrored, Lanes& __restrict facing) {
+    std::int64_t lit = 0;
+    for (int i = 0; i < RayPacket::width; ++i) {
+        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
+        const double to_normal = dot(faces.shading[i], direction);
+        const double towards = dot(faces.mirrored[i], direction);
+        cosine[i] = to_normal;
+        along_mirrored[i] = towards > 0 ? towards : 0;
+        facing[i] = dot(faces.geometric[i], direction);
+        const bool has_radiance = either(light.r[i] != 0, either(light.g[i] != 0, light.b[i] != 0));
+        lit |= both(has_radiance, to_normal > 0) ? std::int64_t{1} << i : 0;
+    }
+    return static_cast<unsigned>(lit);
+}
+
+// highlight() for the lanes that are lit; the others get numbers without meaning. Faces of the same matter have the same
+// shininess: its bits are looked at once for all of them.
+void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, Lanes& highlights) {
+    const double exponent = shininess[0];
+    int same = 0;
+    for (int i = 0; i < RayPacket::width; ++i) same += shininess[i] == exponent;
+    if (same < RayPacket::width || !is_small_whole(exponent)) {
+        highlights.v.fill(0);
+        for (unsigned rest = lit; rest != 0; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
+            highlights[i] = highlight(cosine[i], shininess[i]);
+        }
+        return;
+    }
+    Lanes square = cosine, power;
+    power.v.fill(1);
+    for (int n = static_cast<int>(exponent); n > 0; n >>= 1) {
+        for (int i = 0; (n & 1) != 0 && i < RayPacket::width; ++i) power[i] *= square[i];
+        for (int i = 0; i < RayPacket::width; ++i) square[i] *= square[i];
+    }
+    for (int i = 0; i < RayPacket::width; ++i) highlights[i] = power_vanishes(cosine[i], exponent) ? 0 : power[i];
+}
+
+}  // namespace
+
 // Tracer::Implementation::aim for all lanes.
 void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed) {
     LightSampleBatch samples;
     const bool has_extent = light.has_extent();
-    for (int i = 0; i < width; ++i) {
-        samples.u[i] = 0.5, samples.v[i] = 0.5;
-        if (!has_extent || i >= faces.count) continue;
+    for (int i = 0; i < width; ++i) samples.u[i] = 0.5, samples.v[i] = 0.5;
+    for (int i = 0; has_extent && i < faces.count; ++i) {
         const SamplePair pair = sample_pair(faces.key[i], dimension_pair::first_light + faces.light_samples[i]++);
         samples.u[i] = pair.u, samples.v[i] = pair.v;
     }
@@ -413,24 +458,23 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
     light.toward_batch(faces.points, samples, width, &light_at);
 
     Lanes cosine, along_mirrored, facing;
+    const unsigned lit = find_angles(faces, light_at, cosine, along_mirrored, facing) & ((1u << faces.count) - 1);
+    find_highlights(along_mirrored, faces.shininess, lit, aimed.highlight);
     for (int i = 0; i < width; ++i) {
-        const Vector direction{light_at.direction_x[i], light_at.direction_y[i], light_at.direction_z[i]};
-        cosine[i] = dot(faces.shading[i], direction);
-        const double towards = dot(faces.mirrored[i], direction);
-        along_mirrored[i] = towards > 0 ? towards : 0;
-        facing[i] = dot(faces.geometric[i], direction);
-    }
-    aimed.arrives = 0;
-    for (int i = 0; i < faces.count; ++i) {
-        const bool has_radiance = light_at.r[i] != 0 || light_at.g[i] != 0 || light_at.b[i] != 0;
-        if (!has_radiance || !(cosine[i] > 0)) continue;
-        aimed.highlight[i] = highlight(along_mirrored[i], faces.shininess[i]);
         const double rest = cosine[i] - aimed.highlight[i];
-        const bool is_clear = faces.is_transparent(i) && !(faces.opacity[i] > 0);
-        aimed.diffuse[i] = rest > 0 && !is_clear ? rest : 0;
-        const bool is_lit_through = ((faces.transparent & ~faces.sheets) >> i & 1) != 0;
-        if ((aimed.highlight[i] > 0 || aimed.diffuse[i] > 0) && (facing[i] > 0 || is_lit_through)) aimed.arrives |= 1u << i;
+        aimed.diffuse[i] = rest > 0 ? rest : 0;
     }
+    for (unsigned rest = faces.transparent; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        if (!(faces.opacity[i] > 0)) aimed.diffuse[i] = 0;
+    }
+    std::int64_t shows = 0, faced = 0;
+    for (int i = 0; i < width; ++i) {
+        shows |= either(aimed.highlight[i] > 0, aimed.diffuse[i] > 0) ? std::int64_t{1} << i : 0;
+        faced |= facing[i] > 0 ? std::int64_t{1} << i : 0;
+    }
+    const unsigned lit_through = faces.transparent & ~faces.sheets;
+    aimed.arrives = lit & static_cast<unsigned>(shows) & (static_cast<unsigned>(faced) | lit_through);
     tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
 }
 

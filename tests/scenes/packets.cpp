@@ -23,29 +23,64 @@ bool same_bits(const RaySample& a, const RaySample& b) {
            a.material == b.material;
 }
 
-// Counts the pixels of a small picture that differ.
-int differences(const std::string& text) {
+constexpr int columns = 131, rows = 97;
+
+Ray ray_of(const CameraRays& camera, int x, int y) {
+    Ray ray = camera.ray(x + 0.5, y + 0.5);
+    ray.key = sample_key(x, y, 0);
+    return ray;
+}
+
+// Part by part, as pictures are made: first a tile, then blocks in it; returns how many rays were spared.
+std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector<RaySample>& picture) {
+    constexpr int tile = 32, block = 8;
+    std::size_t spared = 0;
+    std::vector<Ray> rays;
+    std::vector<RaySample> samples;
+    const auto beam_of = [&](int x, int y, int size) {
+        return camera.beam(x + 0.5, y + 0.5, std::min(x + size, columns) - 0.5, std::min(y + size, rows) - 0.5);
+    };
+    for (int y = 0; y < rows; y += block)
+        for (int x = 0; x < columns; x += block) {
+            const auto of_tile = beam_of(x / tile * tile, y / tile * tile, tile), of_block = beam_of(x, y, block);
+            tracer.begin_tile(of_tile ? &*of_tile : nullptr);
+            const auto known = tracer.begin_part(of_block ? &*of_block : nullptr);
+            rays.clear();
+            for (int v = y; v < std::min(y + block, rows); ++v)
+                for (int u = x; u < std::min(x + block, columns); ++u) rays.push_back(ray_of(camera, u, v));
+            samples.assign(rays.size(), known.value_or(RaySample{}));
+            if (!known) tracer.trace(rays, samples);
+            spared += known ? rays.size() : 0;
+            auto sample = samples.begin();
+            for (int v = y; v < std::min(y + block, rows); ++v)
+                for (int u = x; u < std::min(x + block, columns); ++u)
+                    picture[static_cast<std::size_t>(v * columns + u)] = *sample++;
+        }
+    return spared;
+}
+
+// The pixels of a small picture that differ; `spared` counts those of which it was known beforehand that they show the
+// background.
+int differences(const std::string& text, std::size_t* spared = nullptr) {
     const auto built = test::build(text);
     for (const std::string& line : built->headlines()) UNSCOPED_INFO(line);
     REQUIRE(built->scene);
     Messages messages;
     const auto world = prepare_world(*built->scene, messages);
-    constexpr int columns = 131, rows = 97;
     const CameraRays camera(built->scene->camera, columns, rows);
     std::vector<Ray> rays;
     for (int y = 0; y < rows; ++y)
-        for (int x = 0; x < columns; ++x) {
-            rays.push_back(camera.ray(x + 0.5, y + 0.5));
-            rays.back().key = sample_key(x, y, 0);
-        }
-    std::vector<RaySample> packets(rays.size()), single(rays.size());
+        for (int x = 0; x < columns; ++x) rays.push_back(ray_of(camera, x, y));
+    std::vector<RaySample> packets(rays.size()), parts(rays.size()), single(rays.size());
     Tracer tracer(*world, built->scene->render, 0.001);
     tracer.trace(rays, packets);
+    const std::size_t known = trace_by_parts(tracer, camera, parts);
+    if (spared) *spared = known;
     tracer.trace_one_by_one(true);
     tracer.trace(rays, single);
     int different = 0, met = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        different += !same_bits(packets[i], single[i]);
+        different += !same_bits(packets[i], single[i]) || !same_bits(parts[i], single[i]);
         met += single[i].object > 0;
     }
     CHECK(met > columns);  // something is to be seen
@@ -70,6 +105,31 @@ TEST_CASE("Packets give the bits of single rays: products, with coincident faces
         cube { colour(1, 0, 0); transform { scale(0.5); translate(2, -0.5, 0); } }
         cube { colour(0, 1, 0); transform { scale(0.5); translate(3, -0.5, 0); } }
         cone { transform { translate(-2.5, 0, 1); } } })") == 0);
+}
+
+TEST_CASE("Rays are spared where nothing is in reach, and only there") {
+    const std::string balls =
+        "objects { sphere { } subtraction { sphere { } sphere { radius(0.9); } transform { translate(2, 1, 1); } }";
+    std::size_t spared = 0;
+    CHECK(differences(head + balls + "}", &spared) == 0);
+    CHECK(spared > std::size_t{columns} * rows / 4);
+    CHECK(differences(head + balls + "halfspace { transform { translate(0, -5, 0); } } }", &spared) == 0);
+    CHECK(spared == 0);
+    CHECK(differences(head + balls + "plane { transform { translate(0, -5, 0); } } }", &spared) == 0);
+    CHECK(spared == 0);
+    const std::string from_inside =
+        "camera { location(0, 0, 0); look_at(0.1, 0, 1); angle(100deg); rays(1); } lights { ambient { } }"
+        "objects { sphere { material { solid { opacity(0); } } } sphere { transform { scale(0.3); translate(0, 0.4, 3); } } }";
+    CHECK(differences(from_inside, &spared) == 0);
+    CHECK(spared == 0);
+    const std::string from_far =
+        "camera { location(1e6, 3, 2e6); look_at(0, 0, 0); angle(0.0002deg); rays(1); } lights { ambient { } }" + balls + "}";
+    CHECK(differences(from_far, &spared) == 0);
+    CHECK(spared > 0);
+    const std::string through_lens =
+        "camera { location(1, 2, -6); look_at(0, 0, 0); aperture(0.1); points(0); rays(1); } lights { ambient { } }" + balls + "}";
+    CHECK(differences(through_lens, &spared) == 0);
+    CHECK(spared == 0);
 }
 
 TEST_CASE("Packets give the bits of single rays: trees that are no products, rings, sheets and their clips") {

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+//
+// Beams of camera rays: no box that a ray meets is lost, and those far beside all rays are.
+#include "kernel/math/beam.h"
+
+#include <random>
+
+#include "kernel/prepare/hierarchy.h"
+#include "kernel/render/camera_rays.h"
+#include "support/catch.h"
+
+using namespace lapidary;
+
+namespace {
+
+using Corner = std::array<float, 3>;
+
+struct RelativeBox {
+    Corner low, high;
+};
+
+// Around a point, given relative to an anchor as hierarchies do.
+RelativeBox box_around(const Point& middle, double half, const Point& anchor) {
+    const Vector at = middle - anchor;
+    const auto below = [](double x) { return std::nextafter(static_cast<float>(x), -INFINITY); };
+    const auto above = [](double x) { return std::nextafter(static_cast<float>(x), INFINITY); };
+    return {{below(at.x - half), below(at.y - half), below(at.z - half)},
+            {above(at.x + half), above(at.y + half), above(at.z + half)}};
+}
+
+double reach_of(const RelativeBox& box) {
+    double reach = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        reach = std::fmax(reach, std::fmax(std::fabs(double{box.low[i]}), std::fabs(double{box.high[i]})));
+    return 2 * reach;
+}
+
+}  // namespace
+
+TEST_CASE("A beam meets every box that one of its rays meets, from any place and at any angle") {
+    std::mt19937 random(11);
+    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    int lost = 0, beside = 0, kept_beside = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Camera view;
+        const double size = std::pow(10, number(-6, 6));
+        view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
+        view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+        view.angle = std::pow(10, number(-9, 0));
+        const CameraRays camera(view, 640, 480);
+        const double x0 = number(0, 600), y0 = number(0, 440), width = number(0, 40), height = number(0, 40);
+        const auto beam = camera.beam(x0, y0, x0 + width, y0 + height);
+        REQUIRE(beam);
+
+        const double x = x0 + width * (random() % 3) / 2, y = y0 + height * (random() % 3) / 2;  // also at corners and edges
+        const Ray ray = camera.ray(x, y);
+        const double distance = size * std::pow(10, number(-6, 3));
+        const Point met = view.location + distance * ray.direction;
+        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+        const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
+        lost += !BeamAmongBoxes(*beam, anchor, reach_of(box)).may_meet(box.low, box.high);
+
+        // A box as far from the beam's rays as they run from the eye.
+        const Point aside = met + distance * (random() % 2 ? camera.right() : camera.up());
+        const RelativeBox other = box_around(aside, 0.1 * distance, anchor);
+        if (*view.angle > 0.3) continue;
+        ++beside;
+        kept_beside += BeamAmongBoxes(*beam, anchor, reach_of(other)).may_meet(other.low, other.high);
+    }
+    CHECK(lost == 0);
+    CHECK(beside > 10000);
+    CHECK(kept_beside < beside / 10);  // next to nothing, but where places are far off and rounding has to be allowed for
+}
+
+TEST_CASE("There is no beam through a lens, nor of parallel rays") {
+    Camera lens;
+    lens.aperture = 0.1, lens.points = 0;
+    CHECK_FALSE(CameraRays(lens, 64, 48).beam(0, 0, 8, 8));
+    Camera parallel;
+    parallel.projection = Camera::Projection::orthographic;
+    CHECK_FALSE(CameraRays(parallel, 64, 48).beam(0, 0, 8, 8));
+}
