@@ -8,10 +8,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "kernel/export.h"
+
 namespace lapidary {
 
 // Asks the system to back memory that was not touched yet by large pages. No matter if it cannot.
-void ask_for_large_pages(void* memory, std::size_t bytes);
+LAPIDARY_API void ask_for_large_pages(void* memory, std::size_t bytes);
 
 // Makes room in a list, in large pages where it is much.
 template <class T>

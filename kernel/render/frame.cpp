@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/render/frame.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cassert>
-#include <memory>
 
 namespace lapidary {
 
@@ -16,15 +13,6 @@ constexpr std::array<std::string_view, layer_count> names{"colour", "depth",    
                                                           "object", "material", "samples", "error"};
 
 }  // namespace
-
-void ask_for_large_pages(void* memory, std::size_t size) {
-    constexpr std::size_t large_page = std::size_t{1} << 21;
-    // A small region of a huge picture would take a large page for each of its rows.
-    constexpr std::size_t most = std::size_t{1} << 27;
-    std::size_t space = size;
-    if (size > most || !std::align(large_page, large_page, memory, space)) return;
-    madvise(memory, space / large_page * large_page, MADV_HUGEPAGE);
-}
 
 std::string_view name_of(Layer layer) { return names[static_cast<std::size_t>(layer)]; }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "kernel/export.h"
+#include "kernel/prepare/large_pages.h"
 
 namespace lapidary {
 
@@ -49,18 +50,17 @@ private:
     std::uint32_t bits_ = 0;
 };
 
-// Of what lies wholly within a piece of memory; where the system has none, nothing changes.
-LAPIDARY_API void ask_for_large_pages(void* memory, std::size_t size);
-
 // Memory that is zero because the system gives it so: pages that nothing is written to are never made, and the others by the
-// threads that write to them. Large ones are asked for, as the rows of a block of pixels would each be on another small one.
+// threads that write to them. Large ones are asked for, as the rows of a block of pixels would each be on another small one; but
+// not for a huge picture, of which a small region would take a large page for each of its rows.
 template <class T>
 struct ZeroMemory {
     using value_type = T;
+    static constexpr std::size_t most_in_large_pages = std::size_t{1} << 27;
     T* allocate(std::size_t count) {
         void* const memory = std::calloc(count, sizeof(T));
         if (!memory) throw std::bad_alloc();
-        ask_for_large_pages(memory, count * sizeof(T));
+        if (count * sizeof(T) <= most_in_large_pages) ask_for_large_pages(memory, count * sizeof(T));
         return static_cast<T*>(memory);
     }
     void deallocate(T* memory, std::size_t) { std::free(memory); }
