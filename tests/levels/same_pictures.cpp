@@ -34,10 +34,13 @@ struct Level {
 // A machine without AVX2 has no fused multiply-add either.
 Level level_of(const std::string& name) {
     __builtin_cpu_init();
+    const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+    const bool has_v4 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                        __builtin_cpu_supports("avx512vl");
     if (name == "x86-64") return {name, "-AVX2,-FMA"};
-    if (name == "x86-64-v3")
-        return {name, "-AVX512F",
-                __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")};
+    if (name == "x86-64-v3") return {name, "-AVX512F", has_v3};
+    if (name == "x86-64-v4") return {name, "", has_v4};
     return {name, ""};
 }
 

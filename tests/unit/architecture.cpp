@@ -101,6 +101,18 @@ TEST_CASE("the kernel never spells a plugin's name") {
     }
 }
 
+// Vectors wider than the machine's are taken apart by g++, seven times as slow and without a word; libraries of vectors fall back
+// as silently. Plain loops become as wide as the instruction set that a library is built for.
+TEST_CASE("vectors are made by the compiler") {
+    for (const char* folder : {"kernel", "sdk", "plugins"})
+        for (const std::string& source : sources_of(folder)) {
+            const std::string text = text_of(root / source);
+            for (const char* word :
+                 {"vector_size", "vector_type", "intrin.h", "__m128", "__m256", "__m512", "experimental/simd", "hwy/"})
+                if (text.find(word) != std::string::npos) FAIL_CHECK(source << " spells " << word);
+        }
+}
+
 TEST_CASE("every source begins with its licence") {
     for (const char* folder : {"apps", "kernel", "loaders", "plugins", "sdk", "tests"})
         for (const std::string& source : sources_of(folder))
