@@ -127,7 +127,8 @@ TEST_CASE("Rays are spared where nothing is in reach, and only there") {
     CHECK(differences(from_far, &spared) == 0);
     CHECK(spared > 0);
     const std::string through_lens =
-        "camera { location(1, 2, -6); look_at(0, 0, 0); aperture(0.1); points(0); rays(1); } lights { ambient { } }" + balls + "}";
+        "camera { location(1, 2, -6); look_at(0, 0, 0); aperture(0.1); points(0); rays(1); } lights { ambient { } }" + balls +
+        "}";
     CHECK(differences(through_lens, &spared) == 0);
     CHECK(spared == 0);
 }
