@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "kernel/prepare/large_pages.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -43,7 +42,7 @@ public:
 
     std::size_t count() const { return operations_.size(); }
     // Room for so many operations.
-    void reserve(std::size_t count) { reserve_in_large_pages(operations_, count); }
+    void reserve(std::size_t count) { operations_.reserve(count); }
 
     // From now on an operation must stay as it is.
     void share(DraftTree tree) {

@@ -9,7 +9,6 @@
 
 #include "kernel/math/outward.h"
 #include "kernel/math/standard_arithmetic.h"
-#include "kernel/prepare/large_pages.h"
 
 namespace lapidary {
 
@@ -205,7 +204,7 @@ Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t
     for (const Bounds& box : boxes) all = unite(all, box);
     anchor_ = all.centre();
     std::vector<Entry> entries;
-    reserve_in_large_pages(entries, boxes.size());
+    entries.reserve(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) entries.push_back(make_entry(boxes[i], anchor_, items[i]));
 
     if (entries.size() == 1) {
@@ -216,7 +215,6 @@ Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t
         only.high[1] = {-INFINITY, -INFINITY, -INFINITY};
         return;
     }
-    reserve_in_large_pages(nodes_, entries.size() - 1);
     nodes_.resize(entries.size() - 1);
     build(entries, extent_of(entries), 0, 0, nodes_);
 }

@@ -15,7 +15,6 @@
 
 #include "kernel/math/standard_arithmetic.h"
 #include "kernel/prepare/draft.h"
-#include "kernel/prepare/large_pages.h"
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
 #include "kernel/prepare/world.h"
@@ -191,8 +190,8 @@ private:
             const std::size_t of_those_done = std::min(now - before, few * done);
             return before + of_those_done * (all + all / 16) / done;
         };
-        reserve_in_large_pages(drafts_.leaves, expected(visit.leaves_before, drafts_.leaves.size()));
-        reserve_in_large_pages(world_.materials, expected(visit.materials_before, world_.materials.size()));
+        drafts_.leaves.reserve(expected(visit.leaves_before, drafts_.leaves.size()));
+        world_.materials.reserve(expected(visit.materials_before, world_.materials.size()));
         drafts_.reserve(expected(visit.operations_before, drafts_.count()));
     }
 
@@ -349,8 +348,8 @@ private:
     }
 
     void emit_everything() {
-        reserve_in_large_pages(world_.solids, solids_.size());
-        reserve_in_large_pages(world_.nodes, solids_.size());
+        world_.solids.reserve(solids_.size());
+        world_.nodes.reserve(solids_.size());
         world_.children.reserve(drafts_.leaves.size());
         order_.reserve(drafts_.leaves.size());
         for (DraftTree tree : solids_) {
@@ -384,7 +383,7 @@ private:
             std::vector<bool> stands(drafted.size());
             for (std::int32_t leaf : order_) stands[static_cast<std::size_t>(leaf)] = true;
             world_.leaves_left_out = static_cast<std::size_t>(std::count(stands.begin(), stands.end(), false));
-            reserve_in_large_pages(world_.leaves, order_.size());
+            world_.leaves.reserve(order_.size());
             for (std::int32_t leaf : order_) world_.leaves.push_back(drafted[leaf]);
         }
     }
@@ -557,7 +556,7 @@ private:
     void finish_solids() {
         std::vector<Bounds> boxes;
         std::vector<std::int32_t> items;
-        reserve_in_large_pages(boxes, world_.solids.size());
+        boxes.reserve(world_.solids.size());
         items.reserve(world_.solids.size());
         world_.product_leaves.reserve(world_.leaves.size());
         have_one_span_ = world_.most_spans == 1 && !world_.features.shared_surfaces;

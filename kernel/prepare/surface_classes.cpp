@@ -12,7 +12,6 @@
 #include <span>
 
 #include "kernel/interfaces/object.h"
-#include "kernel/prepare/large_pages.h"
 
 namespace lapidary {
 
@@ -275,7 +274,7 @@ private:
     // The faces that may be on one surface with others. Most have no other of nearly the same key, and are done with.
     void gather() {
         std::vector<SweptFace> faces;
-        reserve_in_large_pages(faces, world_.leaves.size());
+        faces.reserve(world_.leaves.size());
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
             warn_of_distance(world_.leaves[i]);
             add_faces(static_cast<std::int32_t>(i), faces);
