@@ -11,6 +11,9 @@ import zlib
 from charts import Line, line_chart
 from programs import ONE_SAMPLE, difference
 
+# What is rendered where nothing else is asked for, and how large. Mirrors in glass take POV-Ray many minutes for larger references.
+USUAL = {"dice": (320, 240), "spheres-1000": (320, 240), "cheese-100": (320, 240), "trees": (320, 240), "matdemo": (320, 240), "extreme": (96, 72)}
+
 OUR_QUALITIES = [ONE_SAMPLE] + [["--error", str(error)] for error in (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.0015)]
 OUR_REFERENCE = ["--samples", "1024", "--sequence", "1"]  # independent of the samples that are judged
 
@@ -18,6 +21,8 @@ OUR_REFERENCE = ["--samples", "1024", "--sequence", "1"]  # independent of the s
 POVRAY_QUALITIES = [ONE_SAMPLE] + [setting.split() for setting in (
     "+AM2 +A0.0 +R1", "+AM2 +A0.3 +R2", "+AM1 +A0.3 +R3", "+AM2 +A0.3 +R3", "+AM2 +A0.1 +R3 Antialias_Gamma=1.0", "+AM2 +A0.1 +R4",
     "+AM1 +A0.03 +R5", "+AM2 +A0.03 +R4", "+AM1 +A0.03 +R7", "+AM1 +A0.0 +R7", "+AM1 +A0.0 +R9 -J")]
+# The settings that a summary tells of, from coarse to fine.
+TOLD = [ONE_SAMPLE, "+AM2 +A0.3 +R3", "+AM2 +A0.1 +R4", "+AM1 +A0.0 +R9 -J"]
 # Nine by nine samples a pixel, at four shifts that interleave them to eighteen by eighteen.
 POVRAY_REFERENCE = ["+AM1", "+A0.0", "+R9", "-J"]
 SHIFTS = [(x / 36, y / 36) for x in (-1, 1) for y in (-1, 1)]
@@ -137,18 +142,20 @@ def equal_error(ours, theirs, rounds):
 
 def climb(pair, workload, options, folder):
     ours, theirs = pair
+    size = options.size or USUAL.get(workload.name, (320, 240))
     compare = lambda a, b: difference(a, b, ours.program)
-    ladders = (Ladder(ours, OUR_QUALITIES, our_reference(ours, workload, options.size, folder)),
-               Ladder(theirs, POVRAY_QUALITIES, povray_reference(theirs, workload, options.size, folder)))
+    ladders = (Ladder(ours, OUR_QUALITIES, our_reference(ours, workload, size, folder)),
+               Ladder(theirs, POVRAY_QUALITIES, povray_reference(theirs, workload, size, folder)))
     for _ in range(options.rounds):
-        ladders[1].climb(workload, options.size, folder, compare, options.longest)
-        ladders[0].climb(workload, options.size, folder, compare, options.longest, enough=min(ladders[1].errors))
-    return {"workload": workload.name, "ours": ladders[0].result(), "theirs": ladders[1].result(),
+        ladders[1].climb(workload, size, folder, compare, options.longest)
+        ladders[0].climb(workload, size, folder, compare, options.longest, enough=min(ladders[1].errors))
+    return {"workload": workload.name, "size": size, "ours": ladders[0].result(), "theirs": ladders[1].result(),
             "references_differ": compare(ladders[0].reference, ladders[1].reference), "equal_error": equal_error(*ladders, options.rounds)}
 
 
 def table(result):
-    lines = [f"{result['workload']} (the two references differ by {result['references_differ']:.5f})",
+    width, height = result["size"]
+    lines = [f"{result['workload']}, {width}x{height} (the two references differ by {result['references_differ']:.5f})",
              f"    {'POV-Ray at':<34}{'RMSE':>10}{'POV-Ray, s':>12}{'ours, s':>10}{'ratio':>9}"]
     for row in result["equal_error"]:
         ours = "-" if row["ours"] is None else f"{row['ours']:.3f}"
@@ -156,6 +163,16 @@ def table(result):
         lines.append(f"    {row['quality']:<34}{row['error']:>10.5f}{row['theirs']:>12.3f}{ours:>10}{ratio:>9}")
     lines.append(f"    {'ours at':<34}{'RMSE':>10}{'':>12}{'ours, s':>10}")
     lines += [f"    {row['quality']:<34}{row['error']:>10.5f}{'':>12}{row['trace']:>10.3f}" for row in result["ours"]]
+    return "\n".join(lines)
+
+
+def summary(results):
+    """Ratios at equal error of all workloads, as a table in Markdown."""
+    lines = ["| POV-Ray / ours | " + " | ".join("`-A`" if quality == ONE_SAMPLE else f"`{quality}`" for quality in TOLD) + " |", "| --- |" + " --- |" * len(TOLD)]
+    for result in results:
+        rows = {row["quality"]: row for row in result["equal_error"] if row["ratio"] is not None}
+        cells = [f"{rows[q]['ratio']:.2g} ({rows[q]['error']:.2g})" if q in rows else "-" for q in TOLD]
+        lines.append(f"| {result['workload']} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
