@@ -92,6 +92,11 @@ constexpr std::array<Place, most_rays> pixels_of_block = [] {
 
 bool is_in_block(Place place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
 
+// Row by row.
+std::size_t index_in_block(Place place) {
+    return static_cast<std::size_t>(place.y) * block_size + static_cast<std::size_t>(place.x);
+}
+
 // Visits a tile's pixels along the Z-shaped curve of Morton.
 template <typename Visit>
 void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
@@ -501,14 +506,14 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
             ++worker.non_finite_samples;
             continue;
         }
-        double* const to = &colours[static_cast<std::size_t>(3 * (place.y * block_size + place.x))];
+        double* const to = &colours[3 * index_in_block(place)];
         to[0] = colour.r, to[1] = colour.g, to[2] = colour.b;
     }
     std::array<float, 3 * most_rays> rounded;
     for (std::size_t i = 0; i < rounded.size(); ++i) rounded[i] = to_float(colours[i]);
     for (int y = 0; y < block.height(); ++y) {
         const std::span<float> row = frame_.row(Layer::colour, block.x0, block.x1, block.y0 + y);
-        std::copy_n(&rounded[static_cast<std::size_t>(3 * y * block_size)], row.size(), row.begin());
+        std::copy_n(&rounded[3 * index_in_block({0, y})], row.size(), row.begin());
     }
     worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
