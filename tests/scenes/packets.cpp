@@ -54,7 +54,7 @@ std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector
             auto sample = samples.begin();
             for (int v = y; v < std::min(y + block, rows); ++v)
                 for (int u = x; u < std::min(x + block, columns); ++u)
-                    picture[static_cast<std::size_t>(v * columns + u)] = *sample++;
+                    picture[static_cast<std::size_t>(v) * columns + static_cast<std::size_t>(u)] = *sample++;
         }
     return spared;
 }
