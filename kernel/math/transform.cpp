@@ -183,7 +183,11 @@ Matrix3 round(const TwoPartMatrix3& m) {
 LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& inverse) {
     LinearMap map{round(linear), round(inverse), linear, inverse};
     // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
-    map.lopsided = largest_entry(map.linear) * largest_entry(map.inverse) > 16;
+    const double there = largest_entry(map.linear), back = largest_entry(map.inverse);
+    map.lopsided = there * back > 16;
+    // A digit or two below the root of the largest double.
+    constexpr double most = 0x1p500;
+    map.extreme = there > most || back > most;
     return std::make_shared<const LinearMap>(map);
 }
 
@@ -375,9 +379,29 @@ Bounds Transform::to_parent(const Bounds& b) const {
     return {{out_low[0], out_low[1], out_low[2]}, {out_high[0], out_high[1], out_high[2]}};
 }
 
-bool Transform::mirrors() const {
-    const Matrix3& m = linear();
-    return dot(cross({m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}), Vector{m[2][0], m[2][1], m[2][2]}) < 0;
+namespace {
+
+// Of a matrix times 2^-exponent, which is near 1: that of the matrix itself would overflow for lengths of 1e103 already.
+double determinant_near_one(const Matrix3& m, int exponent) {
+    const auto row = [&](int i) -> Vector {
+        return {std::ldexp(m[i][0], -exponent), std::ldexp(m[i][1], -exponent), std::ldexp(m[i][2], -exponent)};
+    };
+    return dot(cross(row(0), row(1)), row(2));
 }
+
+int exponent_of(const Matrix3& m) {
+    int exponent = 0;
+    std::frexp(largest_entry(m), &exponent);
+    return exponent;
+}
+
+}  // namespace
+
+double mean_stretch(const Matrix3& m) {
+    const int exponent = exponent_of(m);
+    return std::ldexp(std::cbrt(std::fabs(determinant_near_one(m, exponent))), exponent);
+}
+
+bool Transform::mirrors() const { return determinant_near_one(linear(), exponent_of(linear())) < 0; }
 
 }  // namespace lapidary

@@ -43,6 +43,9 @@ inline double largest_entry(const Matrix3& m) {
     return largest;
 }
 
+// How much a map stretches lengths on the mean of all directions: the cube root of its determinant, for maps of any size.
+LAPIDARY_API double mean_stretch(const Matrix3& m);
+
 // v M^T for the row vector v.
 inline Vector multiply_transposed(const Vector& v, const Matrix3& m) {
     return {v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2], v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],
@@ -59,6 +62,7 @@ struct LinearMap {
     Matrix3 linear, inverse;
     TwoPartMatrix3 exact_linear, exact_inverse;
     bool lopsided = false;  // some directions are stretched much more than others
+    bool extreme = false;   // squares of lengths, there or back, are beyond a double
 };
 using LinearMapPtr = std::shared_ptr<const LinearMap>;
 
@@ -121,6 +125,8 @@ public:
     bool mirrors() const;  // the map turns left hands into right ones
     // Some directions are stretched much more than others: what is near here may be far away in the local space.
     bool is_lopsided() const { return linear_ && linear_->lopsided; }
+    // It makes things so large or so small that squares of lengths overflow or vanish in one of the spaces.
+    bool is_extreme() const { return linear_ && linear_->extreme; }
 
 private:
     std::array<TwoPart, 3> to_local_two_part(const std::array<TwoPart, 3>& v) const;

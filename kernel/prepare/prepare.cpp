@@ -341,9 +341,7 @@ private:
 
     static MaterialPlacement placement_of(const ExactTransform& to_world) {
         MaterialPlacement placement{Transform(to_world)};
-        const Matrix3& m = placement.transform.inverse_linear();
-        const Vector r0{m[0][0], m[0][1], m[0][2]}, r1{m[1][0], m[1][1], m[1][2]}, r2{m[2][0], m[2][1], m[2][2]};
-        placement.scale = std::cbrt(std::fabs(dot(cross(r0, r1), r2)));
+        placement.scale = mean_stretch(placement.transform.inverse_linear());
         return placement;
     }
 

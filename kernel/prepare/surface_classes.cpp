@@ -277,6 +277,7 @@ private:
         faces.reserve(world_.leaves.size());
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
             warn_of_distance(world_.leaves[i]);
+            warn_of_scale(world_.leaves[i]);
             add_faces(static_cast<std::int32_t>(i), faces);
         }
         for (const std::uint64_t multiplier : {0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F}) {
@@ -292,9 +293,10 @@ private:
         // By its box alone, and without a look at the object: no size that rounding may come near to.
         const Vector from_origin = to_vector(leaf.placement.centre().anchor), across = leaf.box.diagonal();
         if (dot(across, across) > 1e-18 * dot(from_origin, from_origin)) return;
+        const auto length_of = [](const Vector& v) { return std::hypot(v.x, v.y, v.z); };  // of any size
         const Vector own = leaf.object->bounds().diagonal();
-        if (is_far_ || !(dot(own, own) < infinity)) return;
-        const double size = length(leaf.placement.to_parent(own)), far = length(to_vector(leaf.placement.centre().anchor));
+        if (is_far_ || !(length_of(own) < infinity)) return;
+        const double size = length_of(leaf.placement.to_parent(own)), far = length_of(from_origin);
         const double tolerance = coincidence_tolerance(far, size);
         if (size > 16 * tolerance) return;
         is_far_ = true;
@@ -303,6 +305,17 @@ private:
             fmt::format("this object of size {:.2g} stands where numbers are {:.2g} apart, and faces within {:.2g} count as "
                         "one; move the scene nearer to the origin",
                         size, std::nextafter(far, infinity) - far, tolerance));
+    }
+
+    // Once: what is shrunk or blown up so much that a step in the world has no square in the object's own space.
+    void warn_of_scale(const Leaf& leaf) {
+        if (!leaf.placement.is_extreme() || is_scaled_) return;
+        is_scaled_ = true;
+        const double shrunk = 1 / largest_entry(leaf.placement.inverse_linear()), grown = largest_entry(leaf.placement.linear());
+        messages_.warning(leaf.source->place,
+                          fmt::format("this object is scaled by {:.2g}: beyond 1e-150 and 1e150 squares of lengths are lost, and "
+                                      "it may not show as it is; scale less, and give it its size by its own properties",
+                                      shrunk < 1 / grown ? shrunk : grown));
     }
 
     void add_faces(std::int32_t index, std::vector<SweptFace>& faces) const {
@@ -439,6 +452,7 @@ private:
     World& world_;
     Messages& messages_;
     bool is_far_ = false;  // and that was told
+    bool is_scaled_ = false;
     Bounds scene_;
     Point probe_;
     double plane_window_ = 0;                // how far apart the keys of equal planes may be

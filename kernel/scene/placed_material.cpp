@@ -8,17 +8,6 @@ namespace lapidary {
 
 namespace {
 
-double determinant(const Matrix3& m) {
-    return dot(cross({m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}), Vector{m[2][0], m[2][1], m[2][2]});
-}
-
-double largest_entry(const Matrix3& m) {
-    double largest = 0;
-    for (const auto& row : m)
-        for (double entry : row) largest = std::fmax(largest, std::fabs(entry));
-    return largest;
-}
-
 double frobenius_norm(const Matrix3& m) {
     double sum = 0;
     for (const auto& row : m)
@@ -56,7 +45,7 @@ double norm_bound(Matrix3 m) {
 PlacedMaterial::PlacedMaterial(MaterialPtr material, const ExactTransform& to_surroundings)
     : material_(std::move(material)),
       transform_(to_surroundings),
-      footprint_scale_(std::cbrt(std::fabs(determinant(transform_.inverse_linear())))),
+      footprint_scale_(mean_stretch(transform_.inverse_linear())),
       greatest_stretch_(norm_bound(transform_.inverse_linear())) {}
 
 Matter PlacedMaterial::evaluate(const Site& site) const {

@@ -3,15 +3,19 @@
 // Placed solids, T21 and T52 to T58: needles, a condition of 1e12, long chains, mirrors, sizes of 1e-160, against the same
 // placement in 200-bit arithmetic.
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "stress/exact.h"
 #include "support/measurement.h"
 #include "support/scenes.h"
 #include "support/solids.h"
+#include "support/traced_scene.h"
 
 namespace lapidary::test {
 namespace {
@@ -278,6 +282,53 @@ TEST_CASE("T56: a scale of 1e-160 shows what a scale of 1 shows") {
             same.record((found[k].out / tiny - expected[k].out) / (5 * u));
         }
     }
+}
+
+TEST_CASE("T56: matter looks the same at any size") {
+    // A power of two changes no digit, of textures as little as of places. (Without relief: its height is one of the world.)
+    const auto scene_of = [](double size) {
+        return fmt::format(
+            "lights {{ ambient {{ }} direct {{ direction(1, -2, 1.5); }} }} objects {{ union {{ "
+            "torus {{ radii(1.2, 0.5); material {{ noise {{ solid {{ colour(1, 0, 0); }} solid {{ reflection(0.5); }} "
+            "value(0.5); "
+            "transform {{ scale(0.2); }} }} }} }} sphere {{ radius(0.7); material {{ sine {{ colour(0, 0.3, 1); bump(0); "
+            "transform {{ scale(0.1); }} }} }} }} transform {{ rotx(0.6); scale({}); }} }} }}",
+            size);
+    };
+    constexpr double footprint = 0.002;
+    Measurement same({"T56", "matter of 2^-490 to 2^490", "", 0});
+    for (const double size : {0x1p-490, 0x1p-345, 0x1p-60, 0x1p345, 0x1p490}) {
+        CAPTURE(size);
+        TracedScene usual(scene_of(1), footprint), other(scene_of(size), footprint);
+        CHECK(usual.world().leaves.size() == other.world().leaves.size());
+        Random random(156);
+        for (int i = 0; i < 300; ++i) {
+            const Ray ray = ray_past(random);
+            const Colour expected = usual.colour(ray.origin.anchor, ray.direction);
+            const Colour found = other.colour(to_point(size * to_vector(ray.origin.anchor)), ray.direction);
+            same.expect(found.r == expected.r && found.g == expected.g && found.b == expected.b);
+        }
+    }
+}
+
+TEST_CASE("T56: what is scaled beyond the squares of lengths is told") {
+    Measurement told({"T56", "scales and sizes of 1e-300 to 1e300", "", 0});
+    const auto warnings = [](const std::string& object) {
+        const auto built = build("lights { ambient { } } objects {\n" + object + " }");
+        REQUIRE(built->scene);
+        prepare_world(*built->scene, built->messages);
+        return built->headlines();
+    };
+    for (const char* scale : {"1e-300", "1e-200", "1e-153", "1e153", "1e200", "1e300"}) {
+        const auto lines = warnings("sphere { transform { scale(" + std::string(scale) + "); } }");
+        CAPTURE(lines);
+        told.expect(lines.size() == 1 && lines[0].find("s:2:1: warning: this object is scaled by 1e") == 0);
+    }
+    for (const char* scale : {"1e-150", "1e-100", "1e100", "1e150"})
+        told.expect(warnings("sphere { transform { scale(" + std::string(scale) + "); } }").empty());
+    // Sizes of its own an object measures itself by.
+    for (const char* radius : {"1e-300", "1e-160", "1e150", "1e300"})
+        told.expect(warnings("sphere { radius(" + std::string(radius) + "); }").empty());
 }
 
 TEST_CASE("T57: what stands too far away for its size is told") {
