@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "kernel/export.h"
-#include "kernel/prepare/large_pages.h"
 
 namespace lapidary {
 
@@ -51,17 +50,13 @@ private:
 };
 
 // Memory that is zero because the system gives it so: pages that nothing is written to are never made, and the others by the
-// threads that write to them. Large ones are asked for, as the rows of a block of pixels would each be on another small one; but
-// not for a huge picture, of which a small region would take a large page for each of its rows.
+// threads that write to them.
 template <class T>
 struct ZeroMemory {
     using value_type = T;
-    static constexpr std::size_t most_in_large_pages = std::size_t{1} << 27;
     T* allocate(std::size_t count) {
-        void* const memory = std::calloc(count, sizeof(T));
-        if (!memory) throw std::bad_alloc();
-        if (count * sizeof(T) <= most_in_large_pages) ask_for_large_pages(memory, count * sizeof(T));
-        return static_cast<T*>(memory);
+        if (void* const memory = std::calloc(count, sizeof(T))) return static_cast<T*>(memory);
+        throw std::bad_alloc();
     }
     void deallocate(T* memory, std::size_t) { std::free(memory); }
     template <class U>
