@@ -50,7 +50,7 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
         std::copy(packets.begin(), packets.end(), wave.rays.begin());
         const auto first = all_layers ? part : std::span<RaySample>{};
         if (world_.features.transparency) {
-            std::fill_n(wave.paths.begin(), wave.count, Path{});  // no other ray takes their places in an opaque World
+            std::fill_n(wave.paths.begin(), wave.count, Path{});  // as rays that went on have taken some
             wave.begin_camera_rays();
             trace_wave_through_matter(0, first);
         } else {
@@ -421,7 +421,7 @@ unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __r
 }
 
 // highlight() for the lanes that are lit; the others get numbers without meaning. Faces of the same matter have the same
-// shininess: its bits are looked at once for all of them.
+// shininess: then it is whole_power() for all lanes.
 void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, Lanes& highlights) {
     const double exponent = shininess[0];
     int same = 0;

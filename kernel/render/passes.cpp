@@ -92,11 +92,6 @@ constexpr std::array<Place, most_rays> pixels_of_block = [] {
 
 bool is_in_block(Place place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
 
-// Row by row.
-std::size_t index_in_block(Place place) {
-    return static_cast<std::size_t>(place.y) * block_size + static_cast<std::size_t>(place.x);
-}
-
 // Visits a tile's pixels along the Z-shaped curve of Morton.
 template <typename Visit>
 void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
@@ -194,6 +189,7 @@ private:
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
     std::optional<Beam> beam_of_batch(const Batch& batch, std::size_t size) const;
+    static bool spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -469,10 +465,7 @@ void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
 
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     Batch& batch = *worker.batch;
-    const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
-    if (const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr)) {
-        std::fill_n(worker.batch->samples.begin(), pixel_count(block), *known);
-        worker.spared_samples += pixel_count(block);
+    if (spare(camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5), pixel_count(block), worker)) {
         write_middles(block, worker);
         return;
     }
@@ -495,25 +488,16 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 // The samples of a block, one for each pixel, in the order of pixels_of_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     const RaySample* sample = worker.batch->samples.data();
-    std::array<double, 3 * most_rays> colours{};  // row by row
     for (const Place& place : pixels_of_block) {
         if (!is_in_block(place, block)) continue;
         const Place pixel{block.x0 + place.x, block.y0 + place.y};
-        if (wants_layers_) write_layers(pixel, *sample);
+        const bool finite = is_finite(sample->colour);
+        const Colour colour = finite ? sample->colour : Colour::black();
+        worker.non_finite_samples += !finite;
+        store(frame_.pixel(Layer::colour, pixel.x, pixel.y), colour.r, colour.g, colour.b);
         if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
-        const Colour& colour = (sample++)->colour;
-        if (!is_finite(colour)) {
-            ++worker.non_finite_samples;
-            continue;
-        }
-        double* const to = &colours[3 * index_in_block(place)];
-        to[0] = colour.r, to[1] = colour.g, to[2] = colour.b;
-    }
-    std::array<float, 3 * most_rays> rounded;
-    for (std::size_t i = 0; i < rounded.size(); ++i) rounded[i] = to_float(colours[i]);
-    for (int y = 0; y < block.height(); ++y) {
-        const std::span<float> row = frame_.row(Layer::colour, block.x0, block.x1, block.y0 + y);
-        std::copy_n(&rounded[3 * index_in_block({0, y})], row.size(), row.begin());
+        if (wants_layers_) write_layers(pixel, *sample);
+        ++sample;
     }
     worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
@@ -534,6 +518,15 @@ std::optional<Beam> Passes::beam_of_batch(const Batch& batch, std::size_t size) 
         x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
     }
     return camera_.beam(x0, y0, x1, y1);
+}
+
+// Begins a part of a tile. Where it is known what its rays bring back, that becomes the batch's first samples: no ray is sent.
+bool Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
+    const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
+    if (!known) return false;
+    std::fill_n(worker.batch->samples.begin(), size, *known);
+    worker.spared_samples += size;
+    return true;
 }
 
 // The first places of a batch. False where that was cancelled: paths may have ended on their way.
@@ -580,13 +573,7 @@ void Passes::flush(Worker& worker) {
     const std::size_t size = std::exchange(batch.size, 0);
     if (size == 0 || is_stopped()) return;
     const bool layers = std::exchange(batch.layers, false);
-    const std::optional<Beam> beam = beam_of_batch(batch, size);
-    if (const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr)) {
-        std::fill_n(batch.samples.begin(), size, *known);
-        worker.spared_samples += size;
-    } else if (!trace(worker, size, layers)) {
-        return;
-    }
+    if (!spare(beam_of_batch(batch, size), size, worker) && !trace(worker, size, layers)) return;
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
