@@ -147,18 +147,12 @@ bool PacketThroughWorld::is_within_limits(const FloatLanes& near) const {
 
 // Calls visit(solid) for the solids that any ray may meet within its limit, of all or of those in a beam.
 template <PacketThroughWorld::Order order, class Visit>
-void PacketThroughWorld::for_each_solid(Visit visit) {
+void PacketThroughWorld::for_each_solid(const BeamThroughWorld* beam, Visit visit) {
     for (std::int32_t solid : world_.unbounded) visit(solid);
-    walk<order>(visit);
-}
-
-template <class Visit>
-void PacketThroughWorld::for_each_solid_in(const BeamThroughWorld* beam, Visit visit) {
     if (!beam || !beam->is_known()) {
-        for_each_solid<Order::near_first>(visit);
+        walk<order>(visit);
         return;
     }
-    for (std::int32_t solid : world_.unbounded) visit(solid);
     if (beam->solids().size() == 1) {  // most rays that lie near one solid only meet its box
         visit(beam->solids().front().solid);
         return;
@@ -208,7 +202,7 @@ void PacketThroughWorld::first_boundaries(const RayPacket& rays, const BeamThrou
     boundaries.starts_inside = 0;
     start(rays);
     const auto meet = [&](std::int32_t solid) { meet_solid(solid, boundaries); };
-    for_each_solid_in(beam, meet);
+    for_each_solid<Order::near_first>(beam, meet);
     if (world_.sheets.empty()) return;
     Lanes from;
     from.v.fill(0);
@@ -257,7 +251,7 @@ unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distanc
     limits_ = distances;
     start(rays);
     unsigned blocked = 0;
-    for_each_solid<Order::any>([&](std::int32_t index) {
+    for_each_solid<Order::any>(nullptr, [&](std::int32_t index) {
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
         solid_.enter(world_.solids[index], limits_, t, leaf);
@@ -300,7 +294,7 @@ void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& str
     starts_.first.fill(-1), starts_.second.fill(-1);
     starts_.leaves_first = 0, starts_.shared = 0;
     start(rays);
-    for_each_solid_in(beam, [&](std::int32_t solid) { change_at_solid(solid, changes); });
+    for_each_solid<Order::near_first>(beam, [&](std::int32_t solid) { change_at_solid(solid, changes); });
     finish_changes(changes);
 }
 
@@ -412,7 +406,7 @@ PacketThroughWorld::Shadows PacketThroughWorld::shadows(const RayPacket& rays, c
     limits_ = distances;
     start(rays);
     Shadows shadows;
-    for_each_solid<Order::any>([&](std::int32_t index) {
+    for_each_solid<Order::any>(nullptr, [&](std::int32_t index) {
         const Solid::Shadow shadow = world_.solids[index].shadow;
         if (shadow == Solid::Shadow::clear) return;
         const unsigned bits = reached(index);

@@ -63,11 +63,9 @@ private:
     void round_rays();
     void set_limits();
     template <Order order, class Visit>
-    void for_each_solid(Visit visit);
+    void for_each_solid(const BeamThroughWorld* beam, Visit visit);
     template <Order order, class Visit>
     void walk(Visit visit);
-    template <class Visit>
-    void for_each_solid_in(const BeamThroughWorld* beam, Visit visit);
     bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, FloatLanes& near) const;
     static int votes_for_second(const FloatLanes& first, const FloatLanes& second);
     // Whether any ray reaches a box within its limit.
