@@ -235,13 +235,12 @@ void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
 // does not come back. So most shadow rays are done with the solid that they start on.
 bool PacketThroughSolid::all_leave(const Solid& solid, const Lanes& limit) const {
     if (last_departed_ < solid.first_leaf || first_departed_ >= solid.first_leaf + solid.leaf_count) return false;
-    const std::span positive(world_.product_leaves.data() + solid.first_product_leaf,
-                             static_cast<std::size_t>(solid.positive_count));
+    const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
     for (int i = 0; i < width; ++i) {
         if (!(limit[i] >= 0)) continue;
         const Departure& departure = rays_->departure[static_cast<std::size_t>(i)];
-        const bool leaves = departure.leaf >= 0 && !departure.inward && world_.leaves[departure.leaf].first_surface < 0 &&
-                            std::find(positive.begin(), positive.end(), departure.leaf) != positive.end();
+        const bool leaves = departure.leaf >= solid.first_leaf && departure.leaf < first_negative && !departure.inward &&
+                            world_.leaves[departure.leaf].first_surface < 0;
         if (!leaves) return false;
     }
     return true;
@@ -253,19 +252,18 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
         return;
     }
     // All of the positive leaves: the last entry, while none has ended.
-    const std::int32_t* positive = world_.product_leaves.data() + solid.first_product_leaf;
     Lanes first_out;
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
     std::int64_t alive = 1;
     for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
         Lanes in, out;
-        spans(positive[p], in, out);
-        alive = narrow(in, out, positive[p], solid.positive_count == 1, limit, t, first_out, leaf);
+        spans(solid.first_leaf + p, in, out);
+        alive = narrow(in, out, solid.first_leaf + p, solid.positive_count == 1, limit, t, first_out, leaf);
     }
     if (alive == 0 || solid.leaf_count == 1) return;
 
     asked_count_ = 0;
-    if (solid.negative_count > 0) leave_negative_leaves(solid, limit, first_out, t, leaf);
+    if (solid.leaf_count > solid.positive_count) leave_negative_leaves(solid, limit, first_out, t, leaf);
     reconsider_doubtful(solid, first_out, t, leaf);
 }
 
@@ -273,7 +271,7 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
 void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t,
                                                LeafLanes& leaf) {
     ++stamp_;
-    const std::int32_t* negative = world_.product_leaves.data() + solid.first_product_leaf + solid.positive_count;
+    const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
     Lanes unsettled;
     unsettled.v.fill(1);
     for (bool any_moved = true; any_moved;) {
@@ -281,13 +279,13 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
         const Bounds& around = positions_.around;
         unsettled.v.fill(0);
         any_moved = false;
-        const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, negative[n], t, unsettled, leaf); };
+        const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, first_negative + n, t, unsettled, leaf); };
         if (solid.first_negative_block >= 0) {
             for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around,
                                  anchor_of_blocks(world_.box_of(solid.root)), visit);
         } else {
-            for (std::int32_t n = 0; n < solid.negative_count; ++n)
-                if (around.overlaps(world_.leaves[negative[n]].box)) visit(n);
+            for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
+                if (around.overlaps(world_.leaves[first_negative + n].box)) visit(n);
         }
         end_lanes(unsettled, first_out, limit, t);
     }

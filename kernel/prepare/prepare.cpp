@@ -505,49 +505,44 @@ private:
                 if (!world_.box_of(solid.root).is_finite()) solid.rounding = coincidence_tolerance(0, scene_size);
     }
 
+    // As the leaves of a solid stand in the order of its tree, those of a product's positive part come first.
     void find_product_form(Solid& solid) {
-        std::vector<std::int32_t>&positive = positive_, &negative = negative_;
-        positive.clear();
-        negative.clear();
-        bool fits = false;
-        if (solid.root >= 0 && world_.nodes[solid.root].operation == Operation::subtraction) {
-            const std::span<const std::int32_t> operands = world_.operands_of(world_.nodes[solid.root]);
-            fits = gather_leaves(operands[0], Operation::intersection, positive) &&
-                   std::all_of(operands.begin() + 1, operands.end(),
-                               [&](std::int32_t operand) { return gather_leaves(operand, Operation::union_, negative); });
-        } else {
-            fits = gather_leaves(solid.root, Operation::intersection, positive);
+        std::int32_t positive = solid.root;
+        std::span<const std::int32_t> negative;
+        if (positive >= 0 && world_.nodes[positive].operation == Operation::subtraction) {
+            const std::span<const std::int32_t> operands = world_.operands_of(world_.nodes[positive]);
+            positive = operands.front(), negative = operands.subspan(1);
         }
-        if (!fits) return;
+        const auto is_union = [&](std::int32_t operand) { return is_of_leaves(operand, Operation::union_); };
+        if (!is_of_leaves(positive, Operation::intersection) || !std::all_of(negative.begin(), negative.end(), is_union)) return;
+        solid.positive_count = negative.empty() ? solid.leaf_count : leftmost_leaf(negative.front()) - solid.first_leaf;
         solid.is_product = true;
-        solid.first_product_leaf = static_cast<std::int32_t>(world_.product_leaves.size());
-        solid.positive_count = static_cast<std::int32_t>(positive.size());
-        solid.negative_count = static_cast<std::int32_t>(negative.size());
-        world_.product_leaves.insert(world_.product_leaves.end(), positive.begin(), positive.end());
-        world_.product_leaves.insert(world_.product_leaves.end(), negative.begin(), negative.end());
-        put_into_blocks(solid, negative);
+        put_negative_leaves_into_blocks(solid);
     }
 
-    // Few boxes are looked at one by one.
-    void put_into_blocks(Solid& solid, std::span<const std::int32_t> negative) {
-        constexpr std::size_t few = 2;
-        if (negative.size() <= few) return;
-        std::vector<Bounds> boxes;
-        for (std::int32_t leaf : negative) boxes.push_back(world_.leaves[leaf].box);
-        solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(world_.box_of(solid.root)), world_.negative_blocks);
-    }
-
-    // The leaves of a tree of one operation only, where each has one span on any line.
-    bool gather_leaves(std::int32_t tree, Operation operation, std::vector<std::int32_t>& leaves) const {
-        if (tree < 0) {
-            leaves.push_back(~tree);
-            return have_one_span_ || has_one_span(world_, world_.leaves[~tree]);
-        }
+    // Whether a tree is of one operation only, on leaves of which each has one span on any line.
+    bool is_of_leaves(std::int32_t tree, Operation operation) const {
+        if (tree < 0) return have_one_span_ || has_one_span(world_, world_.leaves[~tree]);
         const Node& node = world_.nodes[tree];
         if (node.operation != operation && !(operation == Operation::union_ && node.operation == Operation::merge)) return false;
         const std::span<const std::int32_t> operands = world_.operands_of(node);
         return std::all_of(operands.begin(), operands.end(),
-                           [&](std::int32_t operand) { return gather_leaves(operand, operation, leaves); });
+                           [&](std::int32_t operand) { return is_of_leaves(operand, operation); });
+    }
+
+    std::int32_t leftmost_leaf(std::int32_t tree) const {
+        while (tree >= 0) tree = world_.operands_of(world_.nodes[tree]).front();
+        return ~tree;
+    }
+
+    // Few boxes are looked at one by one.
+    void put_negative_leaves_into_blocks(Solid& solid) {
+        constexpr std::int32_t few = 2;
+        if (solid.leaf_count - solid.positive_count <= few) return;
+        std::vector<Bounds> boxes;
+        for (std::int32_t i = solid.positive_count; i < solid.leaf_count; ++i)
+            boxes.push_back(world_.leaves[solid.first_leaf + i].box);
+        solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(world_.box_of(solid.root)), world_.negative_blocks);
     }
 
     // Boxes so large that floats cannot hold them go to the list that is always asked.
@@ -556,7 +551,6 @@ private:
         std::vector<std::int32_t> items;
         boxes.reserve(world_.solids.size());
         items.reserve(world_.solids.size());
-        world_.product_leaves.reserve(world_.leaves.size());
         have_one_span_ = world_.most_spans == 1 && !world_.features.shared_surfaces;
         for (std::size_t i = 0; i < world_.solids.size(); ++i) {
             Solid& solid = world_.solids[i];
@@ -611,7 +605,6 @@ private:
     std::vector<std::int32_t> order_;      // in which the drafted leaves stand in the World
     std::vector<std::int32_t> under_way_;  // operands of what is being drafted or emitted
     std::vector<Emission> emissions_;
-    std::vector<std::int32_t> positive_, negative_;  // of the solid that is looked at
     NumberOfAddress known_materials_;
     const SceneMaterial* uniform_source_ = nullptr;  // of the uniform material that was placed last
     std::int32_t uniform_ = no_material;

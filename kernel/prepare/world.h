@@ -102,9 +102,9 @@ struct Solid {
     double priority = 0;                   // of its inside, like
     std::int32_t owner = -1, medium = -1;  // these, where that is of one medium
 
-    // Inside all of the positive leaves and outside all of the negative ones, each of one span: World::product_leaves from
-    // first_product_leaf on, positive ones first. Packets evaluate such solids for all lanes at once.
-    std::int32_t first_product_leaf = 0, positive_count = 0, negative_count = 0;
+    // Of a product: inside all of its positive leaves, which come first, and outside all of the negative ones, each of one
+    // span. Packets evaluate such solids for all lanes at once.
+    std::int32_t positive_count = 0;
     std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
     bool is_product = false;
 
@@ -117,7 +117,7 @@ struct Solid {
     enum class Shadow : std::uint8_t { blocks, clear, asked };
     Shadow shadow = Shadow::blocks;
 };
-static_assert(sizeof(Solid) == 64);
+static_assert(sizeof(Solid) == 56);
 
 // The longest cell of a line through a solid that rounding alone may have made, at t: what its two ends lost in their leaves'
 // spaces, which is the solid's `rounding`, and two roundings of t each, as a position in a leaf's space is added to that of the
@@ -156,7 +156,6 @@ public:
     std::vector<Sheet> sheets;
     std::vector<DeepTree> deep_trees;
     std::vector<UnitedOperands> united_operands;
-    std::vector<std::int32_t> product_leaves;
     std::vector<BoxBlock> negative_blocks;
     std::vector<Surface> faces;  // each in its leaf's space; leaves whose faces are the same there share them
     std::vector<SurfaceUse> surface_uses;

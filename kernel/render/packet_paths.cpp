@@ -160,8 +160,7 @@ void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t o
                             const PlacedLines& placed, FacePacket& faces, std::span<RaySample> first) {
     const Leaf& leaf = world_.leaves[index];
     const Solid& solid = world_.solids[of_solid];
-    const std::int32_t shown =
-        leaf.appearance >= 0 ? leaf.appearance : world_.leaves[world_.product_leaves[solid.first_product_leaf]].medium;
+    const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : world_.leaves[solid.first_leaf].medium;
     const MaterialInstance& material = world_.materials[shown];
     faces.key = rays.key;
     for (int lane = 0; lane < width; ++lane) {

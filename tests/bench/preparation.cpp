@@ -45,7 +45,7 @@ void print_memory(const World& world) {
         double bytes;
     } parts[] = {{"leaves", bytes_of(world.leaves)},
                  {"nodes", bytes_of(world.nodes) + bytes_of(world.children)},
-                 {"solids", bytes_of(world.solids) + bytes_of(world.clips) + bytes_of(world.product_leaves)},
+                 {"solids", bytes_of(world.solids) + bytes_of(world.clips)},
                  {"surfaces", bytes_of(world.faces) + bytes_of(world.surface_uses) + bytes_of(world.surface_classes)},
                  {"materials", bytes_of(world.materials)},
                  {"hierarchy", bytes_of(world.hierarchy.nodes())}};
