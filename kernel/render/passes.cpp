@@ -15,7 +15,7 @@
 #include <thread>
 #include <utility>
 
-#include "kernel/render/pixel_estimate.h"
+#include "kernel/render/pixel_field.h"
 
 namespace lapidary {
 
@@ -23,10 +23,8 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr int tile_size = 32;
 // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
-constexpr std::size_t most_rays = 64;
-constexpr int block_size = 8;  // most_rays pixels in a square
+constexpr std::size_t most_rays = pixels_of_block;
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
@@ -38,69 +36,6 @@ constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negativ
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
 constexpr double coarsest_tolerance = 0.064, finest_tolerance = 1e-6;  // against the clock
-
-struct Pixel {
-    PixelEstimate estimate;
-    Colour before;                                         // the colour before its samples were doubled last
-    std::uint32_t taken = 0;                               // samples traced, also those that were not finite
-    std::uint32_t goal = 0;                                // samples to have after the next pass
-    float earlier_moves = no_moves;                        // those before the last one, as remembered_moves() keeps them
-    float error = std::numeric_limits<float>::infinity();  // as estimated last
-};
-
-struct Place {
-    int x = 0, y = 0;
-};
-
-PixelRegion intersection(const PixelRegion& a, const PixelRegion& b) {
-    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
-PixelRegion grown(const PixelRegion& region, int margin) {
-    return {region.x0 - margin, region.y0 - margin, region.x1 + margin, region.y1 + margin};
-}
-
-std::size_t pixel_count(const PixelRegion& region) {
-    if (region.is_empty()) return 0;
-    return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
-}
-
-// Parts of the squares that the whole picture is divided into.
-std::vector<PixelRegion> tiles_of(const PixelRegion& region) {
-    std::vector<PixelRegion> tiles;
-    if (region.is_empty()) return tiles;
-    for (int y = region.y0 / tile_size * tile_size; y < region.y1; y += tile_size)
-        for (int x = region.x0 / tile_size * tile_size; x < region.x1; x += tile_size)
-            tiles.push_back(intersection({x, y, x + tile_size, y + tile_size}, region));
-    return tiles;
-}
-
-// The even bits of a number, drawn together.
-constexpr int even_bits(unsigned x) {
-    x &= 0x5555u;
-    x = (x | (x >> 1)) & 0x3333u;
-    x = (x | (x >> 2)) & 0x0f0fu;
-    return static_cast<int>((x | (x >> 4)) & 0x00ffu);
-}
-
-// The pixels of a block along the Z-shaped curve of Morton: those that stand next to each other in a packet are close together.
-constexpr std::array<Place, most_rays> pixels_of_block = [] {
-    std::array<Place, most_rays> pixels;
-    for (unsigned code = 0; code < most_rays; ++code) pixels[code] = {even_bits(code), even_bits(code >> 1)};
-    return pixels;
-}();
-
-bool is_in_block(Place place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
-
-// Visits a tile's pixels along the Z-shaped curve of Morton.
-template <typename Visit>
-void for_each_pixel(const PixelRegion& tile, Visit&& visit) {
-    for (unsigned code = 0; code < tile_size * tile_size; ++code) {
-        const int x = tile.x0 + even_bits(code);
-        const int y = tile.y0 + even_bits(code >> 1);
-        if (x < tile.x1 && y < tile.y1) visit(x, y);
-    }
-}
 
 float to_float(double value) {
     constexpr double largest_float = std::numeric_limits<float>::max();
@@ -121,19 +56,21 @@ void store(std::span<float> channels, double x, double y, double z) {
 
 // Rays that wait to be traced together, and what each is for.
 struct Batch {
-    struct Purpose {
-        Pixel* pixel = nullptr;
-        PixelEstimate* estimate = nullptr;  // that the colour counts for; none where only the other layers are wanted
-        bool layers = false;                // fills the other layers
-        Place place;
-    };
+    // Of each ray: the place of its pixel, the pixel, the number of its sample, and the estimate that its colour counts for.
+    // Where there is none, it goes through the middle and fills the other layers.
+    std::array<int, most_rays> x, y;
+    std::array<std::uint32_t, most_rays> number;
+    std::array<Pixel*, most_rays> pixel;
+    std::array<PixelEstimate*, most_rays> estimate;
+    std::size_t size = 0;
+    bool layers = false;  // some ray fills the other layers
+
     std::array<CameraRays::Places, most_rays / batch_size> places;
     std::array<RayPacket, most_rays / batch_size> rays;
     std::array<RaySample, most_rays> samples;
-    std::array<Purpose, most_rays> purposes;
-    std::size_t size = 0;
-    bool layers = false;  // some sample fills the other layers
 };
+
+bool is_in_block(PixelPlace place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
 
 // What a thread has for itself.
 struct Worker {
@@ -143,6 +80,12 @@ struct Worker {
     std::unique_ptr<Batch> batch = std::make_unique<Batch>();
     std::vector<Pixel> tile;  // where pixels need no memory beyond their tile
     RenderReport report;      // of those
+    struct Doubling {
+        PixelPlace place;
+        Colour before;        // the pixel's colour until now
+        float earlier_moves;  // of it
+    };
+    std::vector<Doubling> doublings;  // of a tile's pixels, in this pass
     std::uint64_t non_finite_samples = 0, spared_samples = 0;
 };
 
@@ -154,7 +97,7 @@ double processor_time() {
 }
 
 // The middles of the pixels of a packet, and the keys of their first samples.
-void set_middles(std::span<const Place, batch_size> pixels, std::uint32_t sequence, CameraRays::Places& places) {
+void set_middles(std::span<const PixelPlace, batch_size> pixels, std::uint32_t sequence, CameraRays::Places& places) {
     std::array<std::uint32_t, batch_size> x, y, key;
     for (std::size_t i = 0; i < batch_size; ++i) {
         x[i] = static_cast<std::uint32_t>(pixels[i].x), y[i] = static_cast<std::uint32_t>(pixels[i].y);
@@ -178,10 +121,10 @@ private:
     void sample_adaptively();
     void sample_until_time_is_up();
 
-    // One pass over the tiles of a region: every pixel takes samples up to its goal.
-    void trace_goals(const PixelRegion& region);
-    void trace_tile(const PixelRegion& tile, Worker& worker);
-    void trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker);
+    // One pass over the tiles of a region: every pixel that does not rest takes samples up to the goal, or else doubles them.
+    void trace_pixels(const PixelRegion& region, std::optional<std::uint32_t> goal);
+    std::uint64_t trace_tile(const PixelRegion& tile, std::optional<std::uint32_t> goal, Worker& worker);
+    void take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Worker& worker);
     void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
     void sample_middles(const PixelRegion& tile, Worker& worker);
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
@@ -189,41 +132,34 @@ private:
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
     std::optional<Beam> beam_of_batch(const Batch& batch, std::size_t size) const;
+    void place_batch(Batch& batch, std::size_t size);
+    void place_packet(Batch& batch, std::size_t packet);
     static bool spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
     // Between passes.
-    void set_goals(std::uint32_t goal);
-    // Doubles the samples of pixels above the tolerance; false where there are none.
-    bool refine_goals(const PixelRegion& region, double tolerance);
-    bool may_go_on(const Pixel& pixel) const;
+    // Lets pixels rest that are within the tolerance; false where no other one may take samples.
+    bool look_at_errors(const PixelRegion& region, double tolerance);
     bool may_not_rest(const Pixel& pixel, double tolerance) const;
-    double estimated_error(int x, int y) const;
+    bool may_go_on(const Pixel& pixel) const;
+    std::uint32_t goal_of(const Pixel& pixel, std::optional<std::uint32_t> goal) const;
+    void wake_all();
     double own_error(const Pixel& pixel) const;
-    double error_around(int x, int y) const;
-    double change_around(int x, int y) const;
-    double moves_of(std::size_t pixel) const;
-    Colour colour_of(std::size_t pixel) const;
+    void estimate_what_was_stopped();
 
-    void write_pixels(const PixelRegion& tile);
-    void write_pixel(Place place, const Pixel& pixel, const Colour& colour);
-    void write_layers(Place place, const RaySample& sample);
+    void write_pixel(PixelPlace place, const Pixel& pixel, const Colour& colour);
+    void write_layers(PixelPlace place, const RaySample& sample);
     void announce(const PixelRegion& tile);
     void report_progress();
     RenderReport report();
 
     template <typename Body>
     void for_each_tile(const PixelRegion& region, Body&& body);
-    std::size_t index_of(int x, int y) const {
-        return static_cast<std::size_t>(y - area_.y0) * static_cast<std::size_t>(area_.width()) +
-               static_cast<std::size_t>(x - area_.x0);
-    }
-    std::size_t tile_of(const PixelRegion& tile) const {
+    PixelSet& restless_pixels_of(const PixelRegion& tile) {
         const std::size_t in_row = (static_cast<std::size_t>(picture_.width()) + tile_size - 1) / tile_size;
-        return static_cast<std::size_t>(tile.y0 / tile_size) * in_row + static_cast<std::size_t>(tile.x0 / tile_size);
+        return restless_[static_cast<std::size_t>(tile.y0 / tile_size) * in_row + static_cast<std::size_t>(tile.x0 / tile_size)];
     }
-    bool is_in_region(int x, int y) const { return x >= region_.x0 && x < region_.x1 && y >= region_.y0 && y < region_.y1; }
     bool finishes_tiles_at_once() const { return plan_.samples == 1 || (plan_.samples > 1 && !filter_.has_negative_lobes()); }
     bool is_stopped() const;
     bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
@@ -240,14 +176,13 @@ private:
     Seconds begin_;
     std::optional<double> first_view_;
     std::uint32_t first_samples_ = 0;
-    std::uint32_t most_samples_ = 0;             // where their number is not fixed
-    int most_passes_ = 0;                        // after the first
-    PixelRegion picture_;                        // all of it
-    PixelRegion region_;                         // what is asked for
-    PixelRegion area_;                           // with the margin that its estimates need
-    std::vector<Pixel> pixels_;                  // of the area
-    std::vector<PixelEstimate> negative_lobes_;  // of the area, for filters that have them
-    std::vector<std::uint8_t> rests_;            // of each tile of the picture: whether all errors are within the tolerance
+    std::uint32_t most_samples_ = 0;  // where their number is not fixed
+    int most_passes_ = 0;             // after the first
+    PixelRegion picture_;             // all of it
+    PixelRegion region_;              // what is asked for
+    PixelRegion area_;                // with the margin that its estimates need
+    PixelField pixels_;               // of the area
+    std::vector<PixelSet> restless_;  // of each tile of the picture: the pixels whose errors are not within the tolerance
     bool wants_layers_ = false;
 
     bool is_previewing_ = false;  // the first coarse picture is being made
@@ -319,9 +254,9 @@ RenderReport Passes::run() {
 void Passes::render_all() {
     if (options_.preview || options_.time) preview();
     // Of a large picture these are hundreds of megabytes, which a first view need not wait for.
-    if (!finishes_tiles_at_once()) pixels_.resize(pixel_count(area_));
-    rests_.resize(tiles_of(picture_).size());
-    if (filter_.has_negative_lobes()) negative_lobes_.resize(pixels_.size());
+    if (!finishes_tiles_at_once()) pixels_.resize(area_, filter_.has_negative_lobes());
+    restless_.resize(tiles_of(picture_).size());
+    wake_all();
     if (plan_.samples > 0)
         sample_uniformly(plan_.samples);
     else if (plan_.refine_until_time_is_up)
@@ -348,33 +283,28 @@ void Passes::sample_uniformly(int samples) {
         });
         return;
     }
-    set_goals(static_cast<std::uint32_t>(samples));
-    expected_samples_ = pixels_.size() * static_cast<std::size_t>(samples);
-    trace_goals(region_);
+    expected_samples_ = pixel_count(area_) * static_cast<std::size_t>(samples);
+    trace_pixels(region_, static_cast<std::uint32_t>(samples));
 }
 
 void Passes::sample_adaptively() {
-    set_goals(first_samples_);
-    expected_samples_ = guessed_refinement * pixels_.size() * first_samples_;
-    trace_goals(area_);
+    expected_samples_ = guessed_refinement * pixel_count(area_) * first_samples_;
+    trace_pixels(area_, first_samples_);
 
     for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
         const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
-        if (!refine_goals(taking_part, plan_.error)) break;
-        trace_goals(taking_part);
+        if (!look_at_errors(taking_part, plan_.error)) break;
+        trace_pixels(taking_part, std::nullopt);
     }
 }
 
 void Passes::sample_until_time_is_up() {
     // Something everywhere first, then the samples that estimates need.
-    for (const std::uint32_t goal : {1u, first_samples_}) {
-        set_goals(goal);
-        trace_goals(region_);
-    }
+    for (const std::uint32_t goal : {1u, first_samples_}) trace_pixels(region_, goal);
     // Each tolerance starts from what the one before it left.
     for (double tolerance = coarsest_tolerance; tolerance > finest_tolerance && !is_stopped(); tolerance /= 2) {
-        std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
-        while (!is_stopped() && refine_goals(region_, tolerance)) trace_goals(region_);
+        wake_all();
+        while (!is_stopped() && look_at_errors(region_, tolerance)) trace_pixels(region_, std::nullopt);
     }
 }
 
@@ -392,22 +322,14 @@ void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
         tbb::simple_partitioner());
 }
 
-void Passes::trace_goals(const PixelRegion& region) {
+void Passes::trace_pixels(const PixelRegion& region, std::optional<std::uint32_t> goal) {
     for_each_tile(region, [&](const PixelRegion& tile) {
-        if (rests_[tile_of(tile)] != 0) return;
-        std::uint64_t samples = 0;
-        for_each_pixel(tile, [&](int x, int y) {
-            const Pixel& pixel = pixels_[index_of(x, y)];
-            samples += pixel.goal - pixel.taken;
-        });
+        const std::uint64_t samples = trace_tile(tile, goal, workers_.local());
         if (samples == 0) return;
-
-        trace_tile(tile, workers_.local());
         taken_samples_ += samples;
         report_progress();
         const PixelRegion shown = intersection(tile, region_);
         if (shown.is_empty()) return;
-        write_pixels(shown);
         if (plan_.samples > 0 && !is_stopped()) frame_.count_finished(pixel_count(shown));
         announce(shown);
     });
@@ -415,15 +337,34 @@ void Passes::trace_goals(const PixelRegion& region) {
 
 // ---- rays ------------------------------------------------------------------------------------------------------------
 
-void Passes::trace_tile(const PixelRegion& tile, Worker& worker) {
-    begin_tile(tile, worker);
+// The number of samples that were to be taken.
+std::uint64_t Passes::trace_tile(const PixelRegion& tile, std::optional<std::uint32_t> goal, Worker& worker) {
+    worker.doublings.clear();
     worker.batch->size = 0;
-    for_each_pixel(tile, [&](int x, int y) {
-        const std::size_t index = index_of(x, y);
-        PixelEstimate* negative = negative_lobes_.empty() ? nullptr : &negative_lobes_[index];
-        if (!is_stopped()) trace_samples({x, y}, pixels_[index], negative, worker);
+    std::uint64_t samples = 0;
+    restless_pixels_of(tile).for_each(tile, [&](PixelPlace place) {
+        const std::size_t index = pixels_.index_of(place);
+        Pixel& pixel = pixels_[index];
+        const std::uint32_t to_have = goal_of(pixel, goal);
+        if (to_have <= pixel.taken) return;
+        if (samples == 0) begin_tile(tile, worker);
+        samples += to_have - pixel.taken;
+        worker.doublings.push_back(
+            {place, pixels_.colour_of(index), pixel.taken > first_samples_ ? to_float(pixel.moves) : no_moves});
+        if (!is_stopped()) take_samples(place, pixel, to_have, worker);
     });
     flush(worker);
+
+    for (const Worker::Doubling& doubling : worker.doublings) {
+        const std::size_t index = pixels_.index_of(doubling.place);
+        Pixel& pixel = pixels_[index];
+        if (pixel.taken == 0) continue;
+        const Colour colour = pixels_.colour_of(index);
+        pixel.variance = pixel.estimate.variance();
+        pixel.moves = remembered_moves(doubling.earlier_moves, contrast(doubling.before, colour));
+        if (is_in(doubling.place, region_)) write_pixel(doubling.place, pixel, colour);
+    }
+    return samples;
 }
 
 // All there is to do about a tile at once, so that its pixels need to be remembered only until the next tile: of a large
@@ -435,10 +376,8 @@ void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
         return worker.tile[static_cast<std::size_t>(y - tile.y0) * tile_size + static_cast<std::size_t>(x - tile.x0)];
     };
     worker.batch->size = 0;
-    for_each_pixel(tile, [&](int x, int y) {
-        Pixel& pixel = pixel_at(x, y);
-        pixel.goal = static_cast<std::uint32_t>(samples);
-        if (!is_stopped()) trace_samples({x, y}, pixel, nullptr, worker);
+    restless_pixels_of(tile).for_each(tile, [&](PixelPlace place) {
+        if (!is_stopped()) take_samples(place, pixel_at(place.x, place.y), static_cast<std::uint32_t>(samples), worker);
     });
     flush(worker);
 
@@ -470,10 +409,10 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
         return;
     }
 
-    std::array<Place, most_rays> pixels;
+    std::array<PixelPlace, most_rays> pixels;
     std::size_t size = 0;
     pixels.fill({block.x0, block.y0});
-    for (const Place& place : pixels_of_block)
+    for (const PixelPlace& place : places_in_block)
         if (is_in_block(place, block)) pixels[size++] = {block.x0 + place.x, block.y0 + place.y};
 
     for (std::size_t begin = 0; begin < size; begin += batch_size) {
@@ -485,12 +424,12 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     if (trace(worker, size, wants_layers_)) write_middles(block, worker);
 }
 
-// The samples of a block, one for each pixel, in the order of pixels_of_block.
+// The samples of a block, one for each pixel, in the order of places_in_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     const RaySample* sample = worker.batch->samples.data();
-    for (const Place& place : pixels_of_block) {
+    for (const PixelPlace& place : places_in_block) {
         if (!is_in_block(place, block)) continue;
-        const Place pixel{block.x0 + place.x, block.y0 + place.y};
+        const PixelPlace pixel{block.x0 + place.x, block.y0 + place.y};
         const bool finite = is_finite(sample->colour);
         const Colour colour = finite ? sample->colour : Colour::black();
         worker.non_finite_samples += !finite;
@@ -511,13 +450,16 @@ void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
 }
 
 std::optional<Beam> Passes::beam_of_batch(const Batch& batch, std::size_t size) const {
-    double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
-    for (std::size_t i = 0; i < size; ++i) {
-        const CameraRays::Places& places = batch.places[i / batch_size];
-        const double x = places.x.v[i % batch_size], y = places.y.v[i % batch_size];
-        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+    Lanes x0, x1, y0, y1;
+    x0.v.fill(infinity), y0.v.fill(infinity), x1.v.fill(-infinity), y1.v.fill(-infinity);
+    for (std::size_t p = 0; p * batch_size < size; ++p) {
+        const CameraRays::Places& places = batch.places[p];
+        for (int i = 0; i < batch_size; ++i) {
+            x0[i] = std::min(x0[i], places.x[i]), x1[i] = std::max(x1[i], places.x[i]);
+            y0[i] = std::min(y0[i], places.y[i]), y1[i] = std::max(y1[i], places.y[i]);
+        }
     }
-    return camera_.beam(x0, y0, x1, y1);
+    return camera_.beam(std::ranges::min(x0.v), std::ranges::min(y0.v), std::ranges::max(x1.v), std::ranges::max(y1.v));
 }
 
 // Begins a part of a tile. Where it is known what its rays bring back, that becomes the batch's first samples: no ray is sent.
@@ -539,50 +481,80 @@ bool Passes::trace(Worker& worker, std::size_t size, bool layers) const {
     return !is_cancelled();
 }
 
-void Passes::trace_samples(Place place, Pixel& pixel, PixelEstimate* negative, Worker& worker) {
-    const auto [x, y] = place;
-    const auto queue = [this, &worker](double film_x, double film_y, DiscPoint lens, const SampleKey& key,
-                                       const Batch::Purpose& purpose) {
-        Batch& batch = *worker.batch;
-        CameraRays::Places& places = batch.places[batch.size / batch_size];
-        const std::size_t lane = batch.size % batch_size;
-        places.x.v[lane] = film_x, places.y.v[lane] = film_y;
-        places.lens[lane] = lens, places.key[lane] = key;
-        batch.purposes[batch.size] = purpose;
-        batch.layers |= purpose.layers;
-        if (++batch.size == most_rays) flush(worker);
+void Passes::take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Worker& worker) {
+    Batch& batch = *worker.batch;
+    const auto add = [&](std::uint32_t number, PixelEstimate* estimate) {
+        const std::size_t i = batch.size++;
+        batch.x[i] = place.x, batch.y[i] = place.y;
+        batch.number[i] = number, batch.pixel[i] = &pixel, batch.estimate[i] = estimate;
+        if (batch.size == most_rays) flush(worker);
     };
-
-    // The layers beside colour come from the pixel's centre.
-    if (wants_layers_ && pixel.taken == 0 && is_in_region(x, y))
-        queue(x + 0.5, y + 0.5, {}, sample_key(x, y, 0, options_.sequence), {&pixel, nullptr, true, place});
-
-    const SampleKey first = sample_key(x, y, 0, options_.sequence);
-    const SamplePairs in_pixel(first.pixel, dimension_pair::pixel);
-    for (std::uint32_t sample = pixel.taken; sample < pixel.goal; ++sample) {
-        if (worker.batch->size == 0 && is_stopped()) return;
-        const SampleKey key{first.pixel, sample};
-        const PixelFilter::Placement at = filter_.place(in_pixel[sample]);
-        queue(x + 0.5 + at.x, y + 0.5 + at.y, camera_.lens_point(key), key,
-              {&pixel, at.negative ? negative : &pixel.estimate, false, place});
+    if (wants_layers_ && pixel.taken == 0 && is_in(place, region_)) {
+        batch.layers = true;
+        add(0, nullptr);
     }
+    for (std::uint32_t number = pixel.taken; number < goal; ++number) {
+        if (batch.size == 0 && is_stopped()) return;
+        add(number, &pixel.estimate);
+    }
+}
+
+// Where the rays of a batch go through the picture and the lens.
+void Passes::place_batch(Batch& batch, std::size_t size) {
+    // Lanes without a ray repeat the last one.
+    for (std::size_t i = size; i % batch_size != 0; ++i)
+        batch.x[i] = batch.x[size - 1], batch.y[i] = batch.y[size - 1], batch.number[i] = batch.number[size - 1];
+    for (std::size_t p = 0; p * batch_size < size; ++p) place_packet(batch, p);
+    if (batch.layers)
+        for (std::size_t i = 0; i < size; ++i) {
+            if (batch.estimate[i]) continue;
+            CameraRays::Places& places = batch.places[i / batch_size];
+            const std::size_t lane = i % batch_size;
+            places.x.v[lane] = batch.x[i] + 0.5, places.y.v[lane] = batch.y[i] + 0.5, places.lens[lane] = {};
+        }
+}
+
+void Passes::place_packet(Batch& batch, std::size_t packet) {
+    using Numbers = std::array<std::uint32_t, batch_size>;
+    const std::size_t begin = packet * batch_size;
+    CameraRays::Places& places = batch.places[packet];
+    const std::uint32_t sequence = options_.sequence;
+    Numbers x, y, number, key;
+    for (std::size_t i = 0; i < batch_size; ++i) {
+        x[i] = static_cast<std::uint32_t>(batch.x[begin + i]), y[i] = static_cast<std::uint32_t>(batch.y[begin + i]);
+        number[i] = batch.number[begin + i];
+    }
+    std::array<SamplePair, batch_size> pairs;
+    for (std::size_t i = 0; i < batch_size; ++i) key[i] = pixel_key(x[i], y[i], sequence);
+    for (std::size_t i = 0; i < batch_size; ++i) pairs[i] = sample_pair({key[i], number[i]}, dimension_pair::pixel);
+    for (std::size_t i = 0; i < batch_size; ++i) places.key[i] = {key[i], number[i]};
+
+    for (std::size_t i = 0; i < batch_size; ++i) {
+        const PixelFilter::Placement at = filter_.place(pairs[i]);
+        places.x.v[i] = batch.x[begin + i] + 0.5 + at.x, places.y.v[i] = batch.y[begin + i] + 0.5 + at.y;
+        if (at.negative && batch.estimate[begin + i]) batch.estimate[begin + i] = &pixels_.negative_of(*batch.pixel[begin + i]);
+    }
+    if (camera_.has_lens())
+        for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
 }
 
 void Passes::flush(Worker& worker) {
     Batch& batch = *worker.batch;
     const std::size_t size = std::exchange(batch.size, 0);
     if (size == 0 || is_stopped()) return;
+    place_batch(batch, size);
     const bool layers = std::exchange(batch.layers, false);
     if (!spare(beam_of_batch(batch, size), size, worker) && !trace(worker, size, layers)) return;
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
-        const Batch::Purpose& purpose = batch.purposes[i];
         const RaySample& sample = batch.samples[i];
-        if (purpose.layers) write_layers(purpose.place, sample);
-        if (!purpose.estimate) continue;
-        ++purpose.pixel->taken;
-        if (!purpose.estimate->add(sample.colour)) ++worker.non_finite_samples;
+        if (PixelEstimate* const estimate = batch.estimate[i]) {
+            ++batch.pixel[i]->taken;
+            if (!estimate->add(sample.colour)) ++worker.non_finite_samples;
+        } else {
+            write_layers({batch.x[i], batch.y[i]}, sample);
+        }
     }
 }
 
@@ -622,25 +594,6 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
 
 // ---- estimates -------------------------------------------------------------------------------------------------------
 
-Colour Passes::colour_of(std::size_t pixel) const {
-    const PixelEstimate& estimate = pixels_[pixel].estimate;
-    if (negative_lobes_.empty()) return estimate.mean();
-    // (p·positive - n·negative) / (p - n), exact where both are equal.
-    const PixelEstimate& negative = negative_lobes_[pixel];
-    if (negative.count() == 0 || 2 * negative.count() > estimate.count()) return estimate.mean();
-    const double weight = static_cast<double>(negative.count()) / (estimate.count() - negative.count());
-    return estimate.mean() + weight * (estimate.mean() - negative.mean());
-}
-
-double Passes::estimated_error(int x, int y) const {
-    const Pixel& pixel = pixels_[index_of(x, y)];
-    const auto count = pixel.estimate.count();
-    if (count == 0) return infinity;
-    const double scale = brightness_scale(pixel.estimate.mean());
-    if (plan_.samples > 0) return own_error(pixel);
-    return std::max({error_from_spread(pixel.estimate.spread(), count), error_around(x, y), change_around(x, y)}) / scale;
-}
-
 // Of a fixed number of samples, every pixel by itself; a single sample does not tell how far it is off.
 double Passes::own_error(const Pixel& pixel) const {
     const auto count = pixel.estimate.count();
@@ -648,43 +601,13 @@ double Passes::own_error(const Pixel& pixel) const {
     return error_from_spread(pixel.estimate.spread(), count) / brightness_scale(pixel.estimate.mean());
 }
 
-double Passes::error_around(int x, int y) const {
-    const std::size_t index = index_of(x, y);
-    const Colour colour = colour_of(index);
-    double greatest_variance = 0, greatest_contrast = 0;  // the contrast squared
-    const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
-    for (int ny = around.y0; ny < around.y1; ++ny)
-        for (int nx = around.x0; nx < around.x1; ++nx) {
-            const std::size_t neighbour = index_of(nx, ny);
-            if (neighbour == index || pixels_[neighbour].estimate.count() == 0) continue;
-            greatest_variance = std::max(greatest_variance, pixels_[neighbour].estimate.variance());
-            greatest_contrast = std::max(greatest_contrast, squared_contrast(colour, colour_of(neighbour)));
-        }
-    return error_from_around(std::sqrt(greatest_variance), std::sqrt(greatest_contrast), pixels_[index].estimate.count());
+void Passes::wake_all() {
+    for (PixelSet& pixels : restless_) pixels.fill();
 }
 
-double Passes::change_around(int x, int y) const {
-    const std::uint32_t taken = pixels_[index_of(x, y)].taken;
-    if (taken <= first_samples_) return 0;
-    double squares = 0;
-    int count = 0;
-    const PixelRegion around = intersection({x - 1, y - 1, x + 2, y + 2}, area_);
-    for (int ny = around.y0; ny < around.y1; ++ny)
-        for (int nx = around.x0; nx < around.x1; ++nx) {
-            const std::size_t index = index_of(nx, ny);
-            if (pixels_[index].taken != taken) continue;
-            squares += moves_of(index);
-            ++count;
-        }
-    return std::sqrt(squares / count);
-}
-
-double Passes::moves_of(std::size_t pixel) const {
-    return remembered_moves(pixels_[pixel].earlier_moves, contrast(pixels_[pixel].before, colour_of(pixel)));
-}
-
-void Passes::set_goals(std::uint32_t goal) {
-    for (Pixel& pixel : pixels_) pixel.goal = goal;
+std::uint32_t Passes::goal_of(const Pixel& pixel, std::optional<std::uint32_t> goal) const {
+    if (goal) return *goal;
+    return may_go_on(pixel) ? 2 * pixel.taken : pixel.taken;
 }
 
 bool Passes::may_go_on(const Pixel& pixel) const {
@@ -699,38 +622,28 @@ bool Passes::may_not_rest(const Pixel& pixel, double tolerance) const {
     return tolerance < least_coarse_error && pixel.taken == first_samples_ && !filter_.has_negative_lobes();
 }
 
-bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
-    // All estimates first: they look at the neighbours' samples, which stay as they are meanwhile.
-    for_each_tile(region, [&](const PixelRegion& tile) {
-        if (rests_[tile_of(tile)] != 0) return;
-        for_each_pixel(tile, [&](int x, int y) {
-            Pixel& pixel = pixels_[index_of(x, y)];
-            if (pixel.error > tolerance) pixel.error = to_float(estimated_error(x, y));
-        });
-    });
-
+bool Passes::look_at_errors(const PixelRegion& region, double tolerance) {
     std::atomic<std::uint64_t> to_come{0};
     std::atomic<std::size_t> going_on{0}, going_on_in_region{0};
     for_each_tile(region, [&](const PixelRegion& tile) {
-        if (rests_[tile_of(tile)] != 0) return;
         std::uint64_t samples = 0;
         std::size_t pixels = 0, pixels_in_region = 0;
-        bool rests = true;
-        for_each_pixel(tile, [&](int x, int y) {
-            Pixel& pixel = pixels_[index_of(x, y)];
+        PixelField::BlockErrors errors;
+        // The estimates of others look at a pixel's samples, which stay as they are meanwhile, not at its error.
+        const auto estimate = [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); };
+        const auto rests = [&](PixelPlace place, std::size_t in_block) {
+            Pixel& pixel = pixels_[place];
+            if (pixel.error > tolerance) pixel.error = to_float(errors[in_block]);
             const bool too_early = may_not_rest(pixel, tolerance);
-            const bool is_good = pixel.error <= tolerance && !too_early;
-            rests &= is_good;
-            if (is_good || !may_go_on(pixel)) return;
+            if (pixel.error <= tolerance && !too_early) return true;
+            if (!may_go_on(pixel)) return false;
             samples += std::max<std::uint64_t>(pixel.taken, samples_to_come(pixel, tolerance, most_samples_));
             if (too_early) pixel.error = std::numeric_limits<float>::infinity();  // look again, whatever it seems now
-            if (pixel.taken > first_samples_) pixel.earlier_moves = to_float(moves_of(index_of(x, y)));
-            pixel.before = colour_of(index_of(x, y));
-            pixel.goal = 2 * pixel.taken;
             pixels += 1;
-            pixels_in_region += is_in_region(x, y);
-        });
-        rests_[tile_of(tile)] = rests ? 1 : 0;
+            pixels_in_region += is_in(place, region_);
+            return false;
+        };
+        restless_pixels_of(tile).remove_if(tile, estimate, rests);
         to_come += samples, going_on += pixels, going_on_in_region += pixels_in_region;
     });
     if (is_stopped()) return false;
@@ -742,21 +655,13 @@ bool Passes::refine_goals(const PixelRegion& region, double tolerance) {
 
 // ---- the frame -------------------------------------------------------------------------------------------------------
 
-void Passes::write_pixels(const PixelRegion& tile) {
-    for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x) {
-            const std::size_t index = index_of(x, y);
-            if (pixels_[index].taken > 0) write_pixel({x, y}, pixels_[index], colour_of(index));
-        }
-}
-
-void Passes::write_pixel(Place place, const Pixel& pixel, const Colour& colour) {
+void Passes::write_pixel(PixelPlace place, const Pixel& pixel, const Colour& colour) {
     const auto [x, y] = place;
     store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
     if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixel.taken);
 }
 
-void Passes::write_layers(Place place, const RaySample& sample) {
+void Passes::write_layers(PixelPlace place, const RaySample& sample) {
     const auto [x, y] = place;
     if (frame_.has(Layer::depth)) frame_.pixel(Layer::depth, x, y)[0] = static_cast<float>(sample.depth);
     if (frame_.has(Layer::normal)) store(frame_.pixel(Layer::normal, x, y), sample.normal.x, sample.normal.y, sample.normal.z);
@@ -779,20 +684,35 @@ void Passes::report_progress() {
         frame_.raise_progress(static_cast<double>(taken_samples_) / static_cast<double>(expected_samples_));
 }
 
+// Pixels that were stopped before they were looked at again have something to tell, too.
+void Passes::estimate_what_was_stopped() {
+    if (pixels_.is_empty()) return;
+    PixelField::BlockErrors errors;
+    for (const PixelRegion& tile : tiles_of(region_))
+        restless_pixels_of(tile).remove_if(
+            tile, [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); },
+            [&](PixelPlace place, std::size_t in_block) {
+                Pixel& pixel = pixels_[place];
+                if (plan_.samples > 0)
+                    pixel.error = static_cast<float>(own_error(pixel));
+                else if (pixel.taken >= first_samples_ && std::isinf(pixel.error))
+                    pixel.error = static_cast<float>(errors[in_block]);
+                return false;
+            });
+}
+
 RenderReport Passes::report() {
     RenderReport report;
     report.pixels = pixel_count(region_);
     std::size_t sampled = 0;
+    estimate_what_was_stopped();
     for (const Worker& worker : workers_) {
         report.samples += worker.report.samples, report.within_error += worker.report.within_error;
         sampled += worker.report.pixels;
     }
-    for (int y = region_.y0; y < region_.y1 && !pixels_.empty(); ++y)
+    for (int y = region_.y0; y < region_.y1 && !pixels_.is_empty(); ++y)
         for (int x = region_.x0; x < region_.x1; ++x) {
-            Pixel& pixel = pixels_[index_of(x, y)];
-            // Pixels that were stopped before they were looked at again have something to tell, too.
-            const bool tells = plan_.samples > 0 ? pixel.taken > 0 : pixel.taken >= first_samples_ && std::isinf(pixel.error);
-            if (tells) pixel.error = static_cast<float>(estimated_error(x, y));
+            const Pixel& pixel = pixels_[PixelPlace{x, y}];
             if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = pixel.error;
             report.samples += pixel.taken;
             report.within_error += pixel.error <= plan_.error;

@@ -26,6 +26,7 @@
 // 0.001, and through a lens only 98.9 % of the pixels within twice.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -68,14 +69,14 @@ inline double squared_contrast(const Colour& a, const Colour& b) {
 }
 inline double contrast(const Colour& a, const Colour& b) { return std::sqrt(squared_contrast(a, b)); }
 
-inline double error_from_spread(double spread, std::uint32_t count) {
-    const double root = std::sqrt(static_cast<double>(count));
+inline double error_from_spread(double spread, double count) {
+    const double root = std::sqrt(count);
     return 1.25 * spread / (root * std::sqrt(root));  // n^-3/4
 }
 
 // What surroundings of this spread and contrast may hide between a pixel's samples.
-inline double error_from_around(double spread, double contrast, std::uint32_t count) {
-    return std::numbers::sqrt2 / count * std::fmax(spread, contrast / 2);
+inline double error_from_around(double spread, double contrast, double count) {
+    return std::numbers::sqrt2 / count * std::max(spread, contrast / 2);
 }
 
 // The mean square of how far a pixel's colour moved, doubling by doubling: the last move counts half, all earlier ones together
@@ -89,6 +90,6 @@ inline constexpr double error_after_doubling = 0.5946035575013605;  // 2^-3/4
 
 // Errors are absolute up to white; of brighter light, which a picture shows as white or a viewer scales down, they are
 // relative.
-inline double brightness_scale(const Colour& mean) { return std::fmax(1.0, largest(mean)); }
+inline double brightness_scale(const Colour& mean) { return std::max(1.0, largest(mean)); }
 
 }  // namespace lapidary
