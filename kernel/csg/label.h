@@ -15,16 +15,6 @@ namespace lapidary {
 // The open cell of the line just before a position, or just behind it.
 enum class Side : std::uint8_t { before, after };
 
-// What a cell is made of: nothing, or the medium of the operand that owns it.
-struct Label {
-    std::int32_t owner = -1;   // the leaf (of a merge: its leftmost); -1: empty space
-    std::int32_t medium = -1;  // in World::materials
-    double priority = 0;
-
-    bool is_empty() const { return owner < 0; }
-    bool operator==(const Label& other) const { return owner == other.owner; }
-};
-
 // What the inside of a leaf is made of.
 inline Label label_of_leaf(const World& world, std::int32_t leaf) {
     return {leaf, world.leaves[leaf].medium, world.leaves[leaf].priority};
@@ -60,7 +50,7 @@ Label label_inside(const Node& node, std::span<const std::int32_t> operands, Lab
         case Operation::leaf:
             break;
         case Operation::merge:
-            owner = {node.owner, node.medium, 0};
+            owner = {node.leftmost, node.medium, 0};
             break;
         case Operation::intersection:
         case Operation::subtraction:

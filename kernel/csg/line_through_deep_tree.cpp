@@ -83,7 +83,7 @@ void LineThroughDeepTree::toggle(std::int32_t leaf) {
 }
 
 Label LineThroughDeepTree::merge_label(std::int32_t node) const {
-    return {world_.nodes[node].owner, world_.nodes[node].medium, 0};
+    return {world_.nodes[node].leftmost, world_.nodes[node].medium, 0};
 }
 
 // Whose the present cell is: from the root into the light path that its value comes from, and so on, to a leaf or a merge.

@@ -285,7 +285,7 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
                                  anchor_of_blocks(world_.box_of(solid.root)), visit);
         } else {
             for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
-                if (around.overlaps(world_.leaves[first_negative + n].box)) visit(n);
+                if (around.overlaps(world_.leaves[first_negative + n].bounds())) visit(n);
         }
         end_lanes(unsettled, first_out, limit, t);
     }
@@ -293,7 +293,7 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
 
 // Moves lanes that a negative leaf holds to its exit; whether there were any.
 bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf) {
-    if (!any_in_box(world_.leaves[index].box)) return false;
+    if (!any_in_box(world_.leaves[index].bounds())) return false;
     if (asked_stamp_[n] != stamp_) {
         asked_stamp_[n] = stamp_;
         asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);

@@ -329,7 +329,7 @@ CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict fo
 // Whether the first of two solids owns what both hold.
 bool PacketThroughWorld::takes_precedence(std::int32_t solid, std::int32_t other) const {
     if (solid < 0 || other < 0) return solid >= 0;
-    const Solid &a = world_.solids[solid], &b = world_.solids[other];
+    const Label &a = world_.insides[solid], &b = world_.insides[other];
     return a.priority > b.priority || (a.priority == b.priority && solid < other);
 }
 

@@ -188,7 +188,7 @@ LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& invers
     // A digit or two below the root of the largest double.
     constexpr double most = 0x1p500;
     map.extreme = there > most || back > most;
-    return std::make_shared<const LinearMap>(map);
+    return LinearMapPtr(map);
 }
 
 LinearMapPtr rotation_map(const TwoPartMatrix3& turned) { return make_map(turned, transpose(turned)); }
@@ -197,7 +197,7 @@ LinearMapPtr rotation_map(const TwoPartMatrix3& turned) { return make_map(turned
 LinearMapPtr scale_map(const std::array<double, 12>& v) {
     TwoPartMatrix3 linear = exact_identity, inverse = exact_identity;
     for (int i = 0; i < 3; ++i) {
-        if (!(std::fabs(v[i]) > 0) || !std::isfinite(v[i])) return nullptr;
+        if (!(std::fabs(v[i]) > 0) || !std::isfinite(v[i])) return {};
         linear[i][i] = v[i];
         inverse[i][i] = TwoPart(1.0) / TwoPart(v[i]);
     }
@@ -222,7 +222,7 @@ TwoPartMatrix3 written_matrix(const std::array<double, 12>& v) {
 
 LinearMapPtr invertible_map(const TwoPartMatrix3& linear) {
     const auto inverse = inverse_of(linear);
-    return inverse ? make_map(linear, *inverse) : nullptr;
+    return inverse ? make_map(linear, *inverse) : LinearMapPtr();
 }
 
 // What a factor does apart from its translation, where that is not the identity; null where it is singular.
@@ -230,27 +230,27 @@ LinearMapPtr linear_part(const TransformFactor& factor) {
     const auto& v = factor.values;
     switch (factor.kind) {
         case TransformFactor::Kind::translate:
-            return nullptr;
+            return {};
         case TransformFactor::Kind::scale:
             return scale_map(v);
         case TransformFactor::Kind::rotx:
         case TransformFactor::Kind::roty:
         case TransformFactor::Kind::rotz: {
-            if (!std::isfinite(v[0])) return nullptr;
+            if (!std::isfinite(v[0])) return {};
             const int axis = static_cast<int>(factor.kind) - static_cast<int>(TransformFactor::Kind::rotx);
             return rotation_map(axis_rotation((axis + 1) % 3, (axis + 2) % 3, v[0]));
         }
         case TransformFactor::Kind::rotate: {
-            if (!std::isfinite(v[3])) return nullptr;
+            if (!std::isfinite(v[3])) return {};
             const auto turned = rotation({v[0], v[1], v[2]}, v[3]);
-            return turned ? rotation_map(*turned) : nullptr;
+            return turned ? rotation_map(*turned) : LinearMapPtr();
         }
         case TransformFactor::Kind::shear:
             return invertible_map(shear_matrix(v));
         case TransformFactor::Kind::matrix:
             return invertible_map(written_matrix(v));
     }
-    return nullptr;
+    return {};
 }
 
 bool only_translates(const TransformFactor& factor) {

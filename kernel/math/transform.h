@@ -8,10 +8,12 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cmath>
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernel/export.h"
@@ -64,7 +66,36 @@ struct LinearMap {
     bool lopsided = false;  // some directions are stretched much more than others
     bool extreme = false;   // squares of lengths, there or back, are beyond a double
 };
-using LinearMapPtr = std::shared_ptr<const LinearMap>;
+
+// Shares a map: std::shared_ptr in half the room, as every leaf of a World has one.
+class LinearMapPtr {
+public:
+    LinearMapPtr() = default;  // the identity
+    explicit LinearMapPtr(const LinearMap& map) : shared_(new Shared{map, 1}) {}
+    LinearMapPtr(const LinearMapPtr& other) : shared_(other.shared_) {
+        if (shared_) shared_->owners.fetch_add(1, std::memory_order_relaxed);
+    }
+    LinearMapPtr(LinearMapPtr&& other) noexcept : shared_(std::exchange(other.shared_, nullptr)) {}
+    LinearMapPtr& operator=(LinearMapPtr other) noexcept {
+        std::swap(shared_, other.shared_);
+        return *this;
+    }
+    ~LinearMapPtr() {
+        if (shared_ && shared_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete shared_;
+    }
+
+    const LinearMap& operator*() const { return shared_->map; }
+    const LinearMap* operator->() const { return &shared_->map; }
+    explicit operator bool() const { return shared_ != nullptr; }
+    bool operator==(const LinearMapPtr&) const = default;
+
+private:
+    struct Shared {
+        LinearMap map;
+        std::atomic<std::int64_t> owners;
+    };
+    Shared* shared_ = nullptr;
+};
 
 // A composition under way: matrix, inverse and translation in two parts.
 class LAPIDARY_API ExactTransform {

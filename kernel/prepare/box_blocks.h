@@ -14,7 +14,7 @@
 
 #include "kernel/export.h"
 #include "kernel/math/bounds.h"
-#include "kernel/math/outward.h"
+#include "kernel/math/float_box.h"
 
 namespace lapidary {
 
@@ -32,19 +32,6 @@ LAPIDARY_API std::int32_t add_box_blocks(std::span<const Bounds> boxes, const Po
 // What the floats of a solid's blocks are relative to.
 inline Point anchor_of_blocks(const Bounds& box) { return box.is_finite() ? box.centre() : Point{}; }
 
-// A small box as floats relative to an anchor, rounded outward.
-struct FloatBox {
-    float low_x, low_y, low_z, high_x, high_y, high_z;
-
-    FloatBox(const Bounds& box, const Point& anchor)
-        : low_x(float_below(box.low.x - anchor.x)),
-          low_y(float_below(box.low.y - anchor.y)),
-          low_z(float_below(box.low.z - anchor.z)),
-          high_x(float_above(box.high.x - anchor.x)),
-          high_y(float_above(box.high.y - anchor.y)),
-          high_z(float_above(box.high.z - anchor.z)) {}
-};
-
 // Which boxes of a block overlap another one: bit i for box i.
 LAPIDARY_API std::uint32_t overlapping(const BoxBlock& block, const FloatBox& box);
 
@@ -52,6 +39,7 @@ LAPIDARY_API std::uint32_t overlapping(const BoxBlock& block, const FloatBox& bo
 template <class Visit>
 void for_each_overlapping(const std::vector<BoxBlock>& blocks, std::int32_t top, const Bounds& query, const Point& anchor,
                           Visit visit) {
+    if (query.is_empty()) return;
     const FloatBox box(query, anchor);
     std::array<std::int32_t, 128> stack;  // each level of at most ten leaves seven behind
     int size = 0;

@@ -98,17 +98,8 @@ DeepTree make_deep_tree(const World& world, const Solid& solid, std::int32_t fir
     Growth(world, solid, first_node, tree).grow();
 
     std::vector<Bounds> boxes;
-    std::vector<std::int32_t> items;
-    for (std::int32_t i = 0; i < solid.leaf_count; ++i) {
-        const Bounds& box = world.leaves[solid.first_leaf + i].box;
-        if (!fits_hierarchy(box)) {
-            tree.unbounded.push_back(i);
-            continue;
-        }
-        boxes.push_back(box);
-        items.push_back(i);
-    }
-    tree.hierarchy = Hierarchy(boxes, items);
+    for (std::int32_t i = 0; i < solid.leaf_count; ++i) boxes.push_back(world.leaves[solid.first_leaf + i].bounds());
+    tree.hierarchy = Hierarchy(boxes, 0, tree.unbounded);
     return tree;
 }
 

@@ -16,6 +16,12 @@ bool Drafts::may_join(DraftTree operand, Operation operation, bool stands_first)
     return stands_first || (operation != Operation::subtraction && operation != Operation::symdiff);
 }
 
+void Drafts::forget_since(const Mark& mark) {
+    leaves.erase(leaves.begin() + static_cast<std::ptrdiff_t>(mark.leaves), leaves.end());
+    operations_.erase(operations_.begin() + static_cast<std::ptrdiff_t>(mark.operations), operations_.end());
+    if (operations_.empty()) memory_.release();
+}
+
 std::optional<Bounds> Drafts::prune(Operation operation, std::span<DraftTree>& operands) const {
     if (operands.empty()) return std::nullopt;
     // What the empty set does to the whole.

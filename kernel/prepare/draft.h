@@ -3,6 +3,8 @@
 // The scene's trees on their way into the World: flattened, pruned by boxes, sheets taken out.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory_resource>
 #include <optional>
@@ -30,19 +32,29 @@ struct Draft {
     explicit Draft(std::pmr::memory_resource* memory) : operands(memory) {}
 };
 
+// A leaf, and what is known of it besides.
+struct DraftLeaf {
+    Leaf leaf;
+    Bounds box;           // its box in doubles
+    bool stands = false;  // in the World
+};
+
 class Drafts {
 public:
     // All that are drafted, in the order of writing; in the World they stand solid by solid.
-    std::vector<Leaf> leaves;
+    std::vector<DraftLeaf> leaves;
 
     const Draft& operator[](DraftTree operation) const { return operations_[static_cast<std::size_t>(operation)]; }
     const Bounds& box_of(DraftTree tree) const { return tree < 0 ? leaves[~tree].box : (*this)[tree].box; }
     std::int32_t leaf_count(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].leaf_count; }
     std::int32_t depth(DraftTree tree) const { return tree < 0 ? 1 : (*this)[tree].depth; }
 
-    std::size_t count() const { return operations_.size(); }
-    // Room for so many operations.
-    void reserve(std::size_t count) { operations_.reserve(count); }
+    // How far drafting has come, and back to there.
+    struct Mark {
+        std::size_t leaves = 0, operations = 0;
+    };
+    Mark mark() const { return {leaves.size(), operations_.size()}; }
+    void forget_since(const Mark& mark);
 
     // From now on an operation must stay as it is.
     void share(DraftTree tree) {
@@ -66,7 +78,8 @@ private:
     bool may_join(DraftTree operand, Operation operation, bool stands_first) const;
     bool distributes(DraftTree tree) const;
 
-    std::pmr::monotonic_buffer_resource memory_;  // of the lists of operands
+    std::array<std::byte, 8192> first_memory_;
+    std::pmr::monotonic_buffer_resource memory_{first_memory_.data(), first_memory_.size()};  // of the lists of operands
     std::vector<Draft> operations_;
 };
 

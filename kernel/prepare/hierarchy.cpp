@@ -54,6 +54,15 @@ struct Entry {
     }
 };
 
+// Whether floats hold a box.
+bool fits_floats(const Bounds& box) {
+    constexpr double largest = 1e30;
+    const auto fits = [](const Point& p) {
+        return std::fabs(p.x) < largest && std::fabs(p.y) < largest && std::fabs(p.z) < largest;
+    };
+    return fits(box.low) && fits(box.high);
+}
+
 Entry make_entry(const Bounds& bounds, const Point& anchor, std::int32_t item) {
     const Vector low = bounds.low - anchor, high = bounds.high - anchor;
     return {{{float_below(low.x), float_below(low.y), float_below(low.z), 0, float_below(-high.x), float_below(-high.y),
@@ -198,14 +207,20 @@ void build(std::span<Entry> entries, const Extent& extent, std::int32_t first, i
 
 }  // namespace
 
-Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t> items) {
-    if (boxes.empty()) return;
+Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::int32_t first, std::vector<std::int32_t>& left_out) {
     Bounds all;
-    for (const Bounds& box : boxes) all = unite(all, box);
+    std::size_t count = 0;
+    for (const Bounds& box : boxes)
+        if (fits_floats(box)) all = unite(all, box), ++count;
+    if (count < boxes.size())
+        for (std::size_t i = 0; i < boxes.size(); ++i)
+            if (!fits_floats(boxes[i])) left_out.push_back(first + static_cast<std::int32_t>(i));
+    if (count == 0) return;
     anchor_ = all.centre();
     std::vector<Entry> entries;
-    entries.reserve(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) entries.push_back(make_entry(boxes[i], anchor_, items[i]));
+    entries.reserve(count);
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        if (fits_floats(boxes[i])) entries.push_back(make_entry(boxes[i], anchor_, first + static_cast<std::int32_t>(i)));
 
     if (entries.size() == 1) {
         Node& only = nodes_.emplace_back();

@@ -27,8 +27,8 @@ public:
     static constexpr std::int32_t no_child = INT32_MAX;
 
     Hierarchy() = default;
-    // Boxes must be finite; item i of the hierarchy is items[i].
-    Hierarchy(std::span<const Bounds> boxes, std::span<const std::int32_t> items);
+    // Over those of the boxes that floats can hold; the others are listed as left out. Boxes are numbered from `first` on.
+    Hierarchy(std::span<const Bounds> boxes, std::int32_t first, std::vector<std::int32_t>& left_out);
 
     const std::vector<Node>& nodes() const { return nodes_; }
     const Point& anchor() const { return anchor_; }
@@ -62,15 +62,6 @@ private:
     Point anchor_;
     std::vector<Node> nodes_;
 };
-
-// Whether floats hold a box.
-inline bool fits_hierarchy(const Bounds& box) {
-    constexpr double largest = 1e30;
-    const auto fits = [](const Point& p) {
-        return std::fabs(p.x) < largest && std::fabs(p.y) < largest && std::fabs(p.z) < largest;
-    };
-    return fits(box.low) && fits(box.high);
-}
 
 // Where a line runs inside a box: entry and exit by the slab method. (b - o) / d keeps its digits where b / d - o / d
 // would not. A direction of 0 counts as 1e-300, so that an origin on the face gives 0 and not NaN. The exit is padded by a

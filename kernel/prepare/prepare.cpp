@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Scene -> World: one walk down the trees accumulates transforms, materials and priorities to the leaves; one walk up
-// combines the parts that are left.
+// combines the parts that are left. What stands in the unions at the top goes into the World one after the other: nothing is
+// kept of the many but what the World needs.
 #include <fmt/format.h>
 
 #include <oneapi/tbb/task_arena.h>
@@ -29,54 +30,41 @@ constexpr std::int32_t no_material = -1;
 // joining and splitting may be this much.
 constexpr std::int32_t deepest_followed = 100;
 
-// The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off. Lines are
-// placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
-Bounds padded_box(const Leaf& leaf) {
-    Bounds box = leaf.placement.to_parent(leaf.object->bounds());
-    const Point centre = leaf.placement.centre().rounded();
-    const double coordinate = std::max(largest_coordinate(box), largest_coordinate({centre, centre}));
-    const double padding = 2 * coincidence_tolerance(coordinate, box.is_finite() ? length(box.diagonal()) : 0);
-    const Vector pad{padding, padding, padding};
-    return {box.low - pad, box.high + pad};
-}
-
-// Numbers of addresses, in one open table: with hundreds of thousands of them, a list node for each would take its time.
-class NumberOfAddress {
+// Which of the World's materials was the first to be made of a material of the scene: an open table of numbers alone, as with
+// hundreds of thousands of them it is memory that takes the time.
+class FirstInstances {
 public:
-    NumberOfAddress() : slots_(64) {}
+    explicit FirstInstances(const std::vector<MaterialInstance>& materials) : materials_(materials) {}
 
-    // The number of an address; -1 where it is new, for the caller to change. Holds until the next call.
-    std::int32_t& operator[](const void* address) {
-        if (2 * ++count_ > slots_.size()) grow();
-        Slot& slot = slot_of(address);
-        if (slot.address) --count_;
-        slot.address = address;
-        return slot.number;
+    // The number of the first one; -1, for the caller to change, where there is none. Holds until the next call.
+    std::int32_t& operator[](const SceneMaterial* source) {
+        if (2 * (count_ + 1) > numbers_.size()) reserve(numbers_.size());
+        std::int32_t& number = slot_of(source);
+        if (number < 0) ++count_;
+        return number;
+    }
+
+    void reserve(std::size_t count) {
+        const std::size_t slots = std::bit_ceil(2 * std::max(count, count_ + 1));
+        if (slots <= numbers_.size()) return;
+        std::vector<std::int32_t> old(slots, -1);
+        old.swap(numbers_);
+        for (std::int32_t number : old)
+            if (number >= 0) slot_of(materials_[static_cast<std::size_t>(number)].source) = number;
     }
 
 private:
-    struct Slot {
-        const void* address = nullptr;
-        std::int32_t number = -1;
-    };
-
-    Slot& slot_of(const void* address) {
-        const std::size_t mask = slots_.size() - 1;
+    std::int32_t& slot_of(const SceneMaterial* source) {
+        const std::size_t mask = numbers_.size() - 1;
         // Things made one after the other mostly stand near to one another in memory: here, too.
-        const auto bits = std::bit_cast<std::uintptr_t>(address);
+        const auto bits = std::bit_cast<std::uintptr_t>(source);
         std::size_t i = (bits >> 7 ^ bits >> 26) & mask;
-        while (slots_[i].address && slots_[i].address != address) i = (i + 1) & mask;
-        return slots_[i];
+        while (numbers_[i] >= 0 && materials_[static_cast<std::size_t>(numbers_[i])].source != source) i = (i + 1) & mask;
+        return numbers_[i];
     }
 
-    void grow() {
-        std::vector<Slot> old(2 * slots_.size());
-        old.swap(slots_);
-        for (const Slot& slot : old)
-            if (slot.address) slot_of(slot.address) = slot;
-    }
-
-    std::vector<Slot> slots_;
+    const std::vector<MaterialInstance>& materials_;
+    std::vector<std::int32_t> numbers_ = std::vector<std::int32_t>(64, -1);
     std::size_t count_ = 0;
 };
 
@@ -88,15 +76,15 @@ public:
         world_.root = scene_.root;
         world_.background = scene_.background;
         world_.materials.emplace_back();  // what objects without material are made of
-        world_.materials.back().is_uniform = true;
         world_.materials.back().number = 1;
         for (const SceneLight& light : scene_.lights) {
             (light.light->is_ambient() ? world_.ambient_lights : world_.lights).push_back(light.light);
             world_.features.extended_lights |= light.light->has_extent();
         }
-        if (scene_.root)
-            if (const DraftTree all = draft_tree(*scene_.root); all != empty_set) drafts_.split_into_solids(all, solids_);
-        emit_everything();
+        if (scene_.root) prepare_tree(*scene_.root);
+        for (SheetDraft& sheet : sheets_) emit_sheet(sheet);
+        forget_drafts({});
+        if (has_unbounded_solids_) set_rounding_of_unbounded_solids();
         if (options.coincidence) recognise_coincident_surfaces(world_, messages_);
         finish_solids();
         if (world_.features.transparency) note_transparency(world_);
@@ -125,14 +113,21 @@ private:
         std::vector<SheetDraft> sheets;
     };
 
+    // How long the World's lists are.
+    struct Counts {
+        std::size_t leaves = 0, materials = 0, nodes = 0, children = 0, solids = 0;
+    };
+
     // An operation whose operands are being drafted.
     struct Visit {
         const SceneNode* node = nullptr;
         Surroundings here;
+        bool is_at_top = false;         // a union of what are solids of the World one by one
+        std::size_t done = 0;           // how many operands have been begun
         std::size_t first_operand = 0;  // in the list of operands under way, those drafted so far; empty ones, too
         std::vector<OperandSheets> sheets;
         std::int32_t leftmost_medium = 0;  // of the leaf written first, whether it is out of reach or not
-        std::size_t leaves_before = 0, materials_before = 0, operations_before = 0;  // in the lists when it began
+        Counts before;                     // when it began
     };
 
     // What has become of a node: its solid, and the sheets that are left, clipped.
@@ -143,56 +138,68 @@ private:
     };
 
     // The whole tree, depth first with a stack of its own: names can chain nodes a hundred thousand deep.
-    DraftTree draft_tree(const SceneNode& root) {
-        if (root.operation == Operation::leaf) return finish(draft_leaf(root, enter_node(root, {})));
+    void prepare_tree(const SceneNode& root) {
+        if (root.operation == Operation::leaf) {
+            emit(draft_leaf(root, enter_node(root, {})));
+            return;
+        }
         std::vector<Visit> stack;
-        stack.push_back(visit_of(root, enter_node(root, {})));
-        for (;;) {
+        stack.push_back(visit_of(root, enter_node(root, {}), true));
+        while (!stack.empty()) {
             Visit& visit = stack.back();
-            const std::size_t done = under_way_.size() - visit.first_operand;
-            if (done == visit.node->operands.size()) {
-                Drafted drafted = combine_operands(visit);
+            if (visit.done == visit.node->operands.size()) {
+                std::optional<Drafted> drafted;
+                if (!visit.is_at_top) drafted = combine_operands(visit);
                 stack.pop_back();
-                if (stack.empty()) return finish(std::move(drafted));
-                take(stack.back(), std::move(drafted));
+                if (drafted && stack.empty()) emit(std::move(*drafted));
+                if (drafted && !stack.empty()) take(stack.back(), std::move(*drafted));
                 continue;
             }
-            look_ahead(visit.node->operands, done);
-            if (done == enough_to_tell) make_room(visit, done);
-            const SceneNode& next = *visit.node->operands[done];
-            Surroundings here = enter_node(next, around_operand(visit, done));
+            look_ahead(visit.node->operands, visit.done);
+            if (visit.done == enough_to_tell) make_room(visit);
+            const SceneNode& next = *visit.node->operands[visit.done];
+            Surroundings here = enter_node(next, around_operand(visit, visit.done));
+            ++visit.done;
             if (next.operation == Operation::leaf)
                 take(visit, draft_leaf(next, here));
             else
-                stack.push_back(visit_of(next, std::move(here)));
+                stack.push_back(visit_of(next, std::move(here), visit.is_at_top));
         }
     }
 
-    Visit visit_of(const SceneNode& node, Surroundings here) const {
+    Visit visit_of(const SceneNode& node, Surroundings here, bool is_below_top) const {
         Visit visit;
         visit.node = &node;
         visit.here = std::move(here);
+        visit.is_at_top = is_below_top && node.operation == Operation::union_ && !node.priority;
         visit.first_operand = under_way_.size();
-        visit.leaves_before = drafts_.leaves.size();
-        visit.materials_before = world_.materials.size();
-        visit.operations_before = drafts_.count();
+        visit.before = counts();
         return visit;
     }
 
-    // Of many operands the first ones tell how much room all of them take, if they are small: lists need not be copied as they
-    // grow.
+    // Of many operands at the top the first ones tell how much room all of them take, if they are small: lists need not be
+    // copied as they grow.
     static constexpr std::size_t enough_to_tell = 256;
-    void make_room(const Visit& visit, std::size_t done) {
+    void make_room(const Visit& visit) {
         constexpr std::size_t few = 4;
-        const std::size_t all = visit.node->operands.size();
-        if (all < 16 * done) return;
-        const auto expected = [&](std::size_t before, std::size_t now) {
-            const std::size_t of_those_done = std::min(now - before, few * done);
-            return before + of_those_done * (all + all / 16) / done;
+        const std::size_t done = visit.done, all = visit.node->operands.size();
+        if (!visit.is_at_top || all < 16 * done) return;
+        const Counts now = counts();
+        const auto expected = [&](std::size_t Counts::*list) {
+            const std::size_t of_those_done = std::min(now.*list - visit.before.*list, few * done);
+            return visit.before.*list + of_those_done * (all + all / 16) / done;
         };
-        drafts_.leaves.reserve(expected(visit.leaves_before, drafts_.leaves.size()));
-        world_.materials.reserve(expected(visit.materials_before, world_.materials.size()));
-        drafts_.reserve(expected(visit.operations_before, drafts_.count()));
+        world_.leaves.reserve(expected(&Counts::leaves));
+        world_.materials.reserve(expected(&Counts::materials));
+        known_materials_.reserve(expected(&Counts::materials));
+        world_.nodes.reserve(expected(&Counts::nodes));
+        world_.children.reserve(expected(&Counts::children));
+        world_.solids.reserve(expected(&Counts::solids));
+        solid_boxes_.reserve(expected(&Counts::solids));
+    }
+
+    Counts counts() const {
+        return {world_.leaves.size(), world_.materials.size(), world_.nodes.size(), world_.children.size(), world_.solids.size()};
     }
 
     // Asks for the memory of the operands to come, in steps, each of which needs what the one before asked for: they stand here
@@ -227,11 +234,6 @@ private:
         for (std::size_t i = 0; i < sizeof(T); i += cache_line) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);
     }
 
-    DraftTree finish(Drafted root) {
-        sheets_ = std::move(root.sheets);
-        return root.tree;
-    }
-
     // What an operand of a node finds around itself.
     static Surroundings around_operand(const Visit& visit, std::size_t operand) {
         Surroundings around = visit.here;
@@ -242,9 +244,13 @@ private:
     }
 
     void take(Visit& visit, Drafted operand) {
-        const std::size_t done = under_way_.size() - visit.first_operand;
-        if (done == 0) visit.leftmost_medium = operand.leftmost_medium;
-        if (!operand.sheets.empty()) visit.sheets.push_back({done, std::move(operand.sheets)});
+        if (visit.is_at_top) {
+            emit(std::move(operand));
+            return;
+        }
+        const std::size_t number = under_way_.size() - visit.first_operand;
+        if (number == 0) visit.leftmost_medium = operand.leftmost_medium;
+        if (!operand.sheets.empty()) visit.sheets.push_back({number, std::move(operand.sheets)});
         under_way_.push_back(operand.tree);
     }
 
@@ -265,7 +271,8 @@ private:
 
     Drafted draft_leaf(const SceneNode& node, const Surroundings& here) {
         const auto index = static_cast<std::int32_t>(drafts_.leaves.size());
-        Leaf& leaf = drafts_.leaves.emplace_back();
+        DraftLeaf& draft = drafts_.leaves.emplace_back();
+        Leaf& leaf = draft.leaf;
         leaf.object = node.object.get();
         leaf.placement = Transform(here.to_world);
         leaf.medium = std::max(here.medium, 0);
@@ -275,7 +282,8 @@ private:
         leaf.source = &node;
         if (here.name != (world_.names.empty() ? nullptr : world_.names.back().name))
             world_.names.push_back({leaf.number, here.name});
-        leaf.box = padded_box(leaf);
+        draft.box = padded_box(leaf);
+        leaf.box = FloatBox(draft.box, leaf.anchor());
         note_faces(leaf);
         leaf.most_spans = leaf.object->max_spans();
         world_.most_spans = std::max(world_.most_spans, leaf.most_spans);
@@ -297,7 +305,7 @@ private:
         for (SheetDraft& sheet : from) {
             if (operation == Operation::subtraction && own > 0) {
                 messages_.warning(
-                    drafts_.leaves[sheet.leaf].source->place,
+                    drafts_.leaves[sheet.leaf].leaf.source->place,
                     "a plane of thickness 0 has no inside and subtracts nothing; give it a thickness or use a halfspace");
                 continue;
             }
@@ -320,70 +328,67 @@ private:
         const bool is_new = known < 0;
         if (is_new) known = index;
 
+        const bool is_uniform = material.is_uniform();
+        if (is_uniform) uniform_source_ = &scene_material, uniform_ = known;
+        if (!is_new && is_uniform) return known;
         MaterialInstance instance;
-        instance.is_uniform = material.is_uniform();
-        if (instance.is_uniform) uniform_source_ = &scene_material, uniform_ = known;
-        if (!is_new && instance.is_uniform) return known;
-        instance.material = &material;
         instance.source = &scene_material;
         instance.number = is_new ? ++material_number_ : world_.materials[known].number;
         instance.may_be_transparent = material.may_be_transparent();
         may_be_transparent_ |= instance.may_be_transparent;
         world_.features.reflection |= material.may_reflect();
         world_.features.relief |= material.may_have_relief();
-        if (instance.is_uniform)
-            instance.matter = material.evaluate({});
-        else
-            instance.place = std::make_shared<const MaterialPlacement>(placement_of(to_world));
-        world_.materials.push_back(std::move(instance));
+        if (is_uniform) {
+            const Matter matter = material.evaluate({});
+            instance.colour = matter.colour;
+            instance.finish = &finish_of(matter);
+        } else {
+            const Transform placement(to_world);
+            const PlacedTexture texture{&material, placement, mean_stretch(placement.inverse_linear())};
+            instance.texture = world_.textures.emplace_back(std::make_shared<const PlacedTexture>(texture)).get();
+        }
+        world_.materials.push_back(instance);
         return index;
     }
 
-    static MaterialPlacement placement_of(const ExactTransform& to_world) {
-        MaterialPlacement placement{Transform(to_world)};
-        placement.scale = mean_stretch(placement.transform.inverse_linear());
-        return placement;
+    // What is made in numbers is mostly alike but for its colour.
+    const Matter& finish_of(const Matter& matter) {
+        constexpr std::size_t how_far_back = 16;
+        const auto is_same = [&](const std::shared_ptr<const Matter>& other) {
+            return other->reflection == matter.reflection && other->refraction == matter.refraction &&
+                   other->shininess == matter.shininess && other->opacity == matter.opacity && other->depth == matter.depth &&
+                   other->relief == matter.relief;
+        };
+        auto& finishes = world_.finishes;
+        const auto oldest = finishes.rbegin() + static_cast<std::ptrdiff_t>(std::min(finishes.size(), how_far_back));
+        const auto found = std::find_if(finishes.rbegin(), oldest, is_same);
+        return found != oldest ? **found : *finishes.emplace_back(std::make_shared<const Matter>(matter));
     }
 
-    void emit_everything() {
-        world_.solids.reserve(solids_.size());
-        world_.nodes.reserve(solids_.size());
-        world_.children.reserve(drafts_.leaves.size());
-        order_.reserve(drafts_.leaves.size());
+    // What stands at the top: its solids into the World. Sheets wait, as all solids come before them.
+    void emit(Drafted drafted) {
+        solids_.clear();
+        if (drafted.tree != empty_set) drafts_.split_into_solids(drafted.tree, solids_);
         for (DraftTree tree : solids_) {
             const Solid& solid = world_.solids.emplace_back(emit_solid(tree));
             world_.features.transparency |= solid.may_be_transparent;
-            if (const Bounds& box = drafts_.box_of(tree); box.is_finite()) world_.bounds = unite(world_.bounds, box);
+            const Bounds& box = solid_boxes_.emplace_back(drafts_.box_of(tree));
+            if (box.is_finite()) world_.bounds = unite(world_.bounds, box);
         }
-        for (SheetDraft& draft : sheets_) emit_sheet(draft);
-        arrange_leaves();
-        if (has_unbounded_solids_) set_rounding_of_unbounded_solids();
-        for (const Sheet& sheet : world_.sheets)
-            world_.features.transparency |= world_.materials[world_.leaves[sheet.leaf].medium].may_be_transparent;
-        world_.features.sheets = !world_.sheets.empty();
-        for (const std::vector<Solid>* solids : {&world_.solids, &world_.clips})
-            for (const Solid& solid : *solids)
-                if (solid.deep_tree >= 0)
-                    world_.deep_trees[solid.deep_tree] =
-                        make_deep_tree(world_, solid, world_.deep_trees[solid.deep_tree].first_node);
+        if (drafted.sheets.empty()) {
+            forget_drafts(kept_for_sheets_);
+            return;
+        }
+        for (SheetDraft& sheet : drafted.sheets) sheets_.push_back(std::move(sheet));
+        kept_for_sheets_ = drafts_.mark();
     }
 
-    // The leaves of a solid stand together. Mostly they do so already, some perhaps left out.
-    void arrange_leaves() {
-        std::vector<Leaf>& drafted = drafts_.leaves;
-        if (std::adjacent_find(order_.begin(), order_.end(), std::greater_equal<>()) == order_.end()) {
-            for (std::size_t i = 0; i < order_.size(); ++i)
-                if (const auto from = static_cast<std::size_t>(order_[i]); from != i) drafted[i] = std::move(drafted[from]);
-            world_.leaves_left_out = drafted.size() - order_.size();
-            drafted.resize(order_.size());
-            world_.leaves = std::move(drafted);
-        } else {
-            std::vector<bool> stands(drafted.size());
-            for (std::int32_t leaf : order_) stands[static_cast<std::size_t>(leaf)] = true;
-            world_.leaves_left_out = static_cast<std::size_t>(std::count(stands.begin(), stands.end(), false));
-            world_.leaves.reserve(order_.size());
-            for (std::int32_t leaf : order_) world_.leaves.push_back(drafted[leaf]);
-        }
+    // Drafts of which nothing is needed any more.
+    void forget_drafts(const Drafts::Mark& since) {
+        const auto is_left_out = [](const DraftLeaf& leaf) { return !leaf.stands; };
+        const auto first = drafts_.leaves.begin() + static_cast<std::ptrdiff_t>(since.leaves);
+        world_.leaves_left_out += static_cast<std::size_t>(std::count_if(first, drafts_.leaves.end(), is_left_out));
+        drafts_.forget_since(since);
     }
 
     void emit_sheet(SheetDraft& draft) {
@@ -396,10 +401,14 @@ private:
                 return;  // clipped to the empty set
             }
         }
-        const auto comes_before_sheet = [&](const Solid& solid) { return order_[solid.first_leaf] < draft.leaf; };
+        DraftLeaf& leaf = drafts_.leaves[static_cast<std::size_t>(draft.leaf)];
+        const auto comes_before_sheet = [&](const Solid& solid) {
+            return world_.leaves[solid.first_leaf].number < leaf.leaf.number;
+        };
         sheet.order = static_cast<std::int32_t>(std::count_if(world_.solids.begin(), world_.solids.end(), comes_before_sheet));
-        sheet.leaf = static_cast<std::int32_t>(order_.size());
-        order_.push_back(draft.leaf);
+        sheet.leaf = ~emit_leaf(leaf);
+        world_.features.transparency |= world_.materials[leaf.leaf.medium].may_be_transparent;
+        world_.features.sheets = true;
         world_.sheets.push_back(std::move(sheet));
     }
 
@@ -422,13 +431,11 @@ private:
     Solid emit_solid(DraftTree tree) {
         Solid solid;
         const std::size_t first_node = world_.nodes.size();
-        solid.first_leaf = static_cast<std::int32_t>(order_.size());
+        solid.first_leaf = leaf_count();
         solid.root = emit_tree(tree);
-        solid.leaf_count = static_cast<std::int32_t>(order_.size()) - solid.first_leaf;
-        for (std::int32_t i = 0; may_be_transparent_ && i < solid.leaf_count; ++i) {
-            const Leaf& leaf = drafts_.leaves[order_[solid.first_leaf + i]];
-            solid.may_be_transparent |= world_.materials[leaf.medium].may_be_transparent;
-        }
+        solid.leaf_count = leaf_count() - solid.first_leaf;
+        for (std::int32_t i = solid.first_leaf; may_be_transparent_ && i < leaf_count(); ++i)
+            solid.may_be_transparent |= world_.materials[world_.leaves[i].medium].may_be_transparent;
         for (std::size_t i = first_node; i < world_.nodes.size(); ++i) {
             const Node& node = world_.nodes[i];
             if (node.medium >= 0) solid.may_be_transparent |= world_.materials[node.medium].may_be_transparent;
@@ -440,7 +447,7 @@ private:
         has_unbounded_solids_ |= !box.is_finite();
         if (drafts_.depth(tree) > deepest_followed) {
             solid.deep_tree = static_cast<std::int32_t>(world_.deep_trees.size());
-            world_.deep_trees.emplace_back().first_node = static_cast<std::int32_t>(first_node);  // until all leaves stand
+            world_.deep_trees.push_back(make_deep_tree(world_, solid, static_cast<std::int32_t>(first_node)));
         }
         return solid;
     }
@@ -448,14 +455,14 @@ private:
     // An operation whose operands are being emitted.
     struct Emission {
         DraftTree tree = 0;
-        std::int32_t leftmost = 0;      // leaf below
+        std::int32_t leftmost = 0;      // of the leaves below
         std::size_t first_operand = 0;  // in the list of operands under way
     };
 
     // Operands first, so that a node's index is above those of its operands; with a stack of its own, as trees may be deep.
     std::int32_t emit_tree(DraftTree root) {
-        if (root < 0) return emit_leaf(root);
-        emissions_.push_back({root, static_cast<std::int32_t>(order_.size()), under_way_.size()});
+        if (root < 0) return emit_leaf(drafts_.leaves[~root]);
+        emissions_.push_back({root, leaf_count(), under_way_.size()});
         for (;;) {
             const Emission& emission = emissions_.back();
             const Draft& draft = drafts_[emission.tree];
@@ -467,22 +474,27 @@ private:
                 if (emissions_.empty()) return index;
                 under_way_.push_back(index);
             } else if (const DraftTree next = draft.operands[done]; next < 0) {
-                under_way_.push_back(emit_leaf(next));
+                under_way_.push_back(emit_leaf(drafts_.leaves[~next]));
             } else {
-                emissions_.push_back({next, static_cast<std::int32_t>(order_.size()), under_way_.size()});
+                emissions_.push_back({next, leaf_count(), under_way_.size()});
             }
         }
     }
 
-    std::int32_t emit_leaf(DraftTree leaf) {
-        order_.push_back(~leaf);
-        return ~(static_cast<std::int32_t>(order_.size()) - 1);
+    // A leaf may stand in several solids, where operations are distributed.
+    std::int32_t emit_leaf(DraftLeaf& leaf) {
+        leaf.stands = true;
+        world_.leaves.push_back(leaf.leaf);
+        return ~(leaf_count() - 1);
     }
+
+    std::int32_t leaf_count() const { return static_cast<std::int32_t>(world_.leaves.size()); }
 
     void emit_node(const Draft& draft, const Emission& emission) {
         Node node;
         node.operation = draft.operation;
-        node.box = draft.box;
+        node.leftmost = emission.leftmost;
+        node.box = FloatBox(draft.box, world_.leaves[emission.leftmost].anchor());
         node.has_priority = draft.priority.has_value();
         node.priority = draft.priority.value_or(0);
         const std::span<const std::int32_t> operands = std::span(under_way_).subspan(emission.first_operand);
@@ -490,10 +502,7 @@ private:
         node.count = static_cast<std::int32_t>(operands.size());
         world_.children.insert(world_.children.end(), operands.begin(), operands.end());
         under_way_.resize(emission.first_operand);
-        if (draft.operation == Operation::merge) {
-            node.owner = emission.leftmost;
-            node.medium = draft.medium;
-        }
+        if (draft.operation == Operation::merge) node.medium = draft.medium;
         world_.nodes.push_back(node);
     }
 
@@ -502,7 +511,7 @@ private:
         const double scene_size = length(region_of_interest(world_).diagonal());
         for (std::vector<Solid>* solids : {&world_.solids, &world_.clips})
             for (Solid& solid : *solids)
-                if (!world_.box_of(solid.root).is_finite()) solid.rounding = coincidence_tolerance(0, scene_size);
+                if (!(solid.rounding < infinity)) solid.rounding = coincidence_tolerance(0, scene_size);
     }
 
     // As the leaves of a solid stand in the order of its tree, those of a product's positive part come first.
@@ -541,31 +550,18 @@ private:
         if (solid.leaf_count - solid.positive_count <= few) return;
         std::vector<Bounds> boxes;
         for (std::int32_t i = solid.positive_count; i < solid.leaf_count; ++i)
-            boxes.push_back(world_.leaves[solid.first_leaf + i].box);
+            boxes.push_back(world_.leaves[solid.first_leaf + i].bounds());
         solid.first_negative_block = add_box_blocks(boxes, anchor_of_blocks(world_.box_of(solid.root)), world_.negative_blocks);
     }
 
-    // Boxes so large that floats cannot hold them go to the list that is always asked.
     void finish_solids() {
-        std::vector<Bounds> boxes;
-        std::vector<std::int32_t> items;
-        boxes.reserve(world_.solids.size());
-        items.reserve(world_.solids.size());
         have_one_span_ = world_.most_spans == 1 && !world_.features.shared_surfaces;
-        for (std::size_t i = 0; i < world_.solids.size(); ++i) {
-            Solid& solid = world_.solids[i];
+        for (Solid& solid : world_.solids) {
             if (solid.deep_tree < 0) find_product_form(solid);
             unite_operands(solid);
-            const Bounds& box = world_.box_of(solid.root);
-            if (fits_hierarchy(box)) {
-                boxes.push_back(box);
-                items.push_back(static_cast<std::int32_t>(i));
-            } else {
-                world_.unbounded.push_back(static_cast<std::int32_t>(i));
-            }
         }
-        world_.hierarchy = Hierarchy(boxes, items);
         for (const Solid& clip : world_.clips) unite_operands(clip);
+        world_.hierarchy = Hierarchy(solid_boxes_, 0, world_.unbounded);
     }
 
     // Where a line is followed through a tree from node to node, its nodes with many operands that are united.
@@ -582,30 +578,23 @@ private:
         if (node.count <= few || node.operation == Operation::intersection || node.operation == Operation::symdiff) return;
         node.united = static_cast<std::int32_t>(world_.united_operands.size());
         UnitedOperands& united = world_.united_operands.emplace_back();
+        const std::int32_t first = node.operation == Operation::subtraction ? 1 : 0;
         std::vector<Bounds> boxes;
-        std::vector<std::int32_t> items;
-        for (std::int32_t i = node.operation == Operation::subtraction ? 1 : 0; i < node.count; ++i) {
-            const Bounds& box = world_.box_of(operands[i]);
-            if (fits_hierarchy(box)) {
-                boxes.push_back(box);
-                items.push_back(i);
-            } else {
-                united.unbounded.push_back(i);
-            }
-        }
-        united.hierarchy = Hierarchy(boxes, items);
+        for (std::int32_t i = first; i < node.count; ++i) boxes.push_back(world_.box_of(operands[i]));
+        united.hierarchy = Hierarchy(boxes, first, united.unbounded);
     }
 
     const Scene& scene_;
     World& world_;
     Messages& messages_;
     Drafts drafts_;
-    std::vector<DraftTree> solids_;
+    std::vector<DraftTree> solids_;    // of what is being emitted
+    std::vector<Bounds> solid_boxes_;  // of all solids of the World
     std::vector<SheetDraft> sheets_;
-    std::vector<std::int32_t> order_;      // in which the drafted leaves stand in the World
+    Drafts::Mark kept_for_sheets_;         // what these are made of, and what clips them
     std::vector<std::int32_t> under_way_;  // operands of what is being drafted or emitted
     std::vector<Emission> emissions_;
-    NumberOfAddress known_materials_;
+    FirstInstances known_materials_{world_.materials};
     const SceneMaterial* uniform_source_ = nullptr;  // of the uniform material that was placed last
     std::int32_t uniform_ = no_material;
     std::int32_t leaf_number_ = 0, material_number_ = 1;
@@ -634,6 +623,9 @@ std::string Features::describe() const {
     add(extended_lights, "lights with extent");
     return text.empty() ? "none" : text;
 }
+
+const Matter MaterialInstance::plain_matter;
+const Transform MaterialInstance::world_itself;
 
 std::shared_ptr<const World> prepare_world(const Scene& scene, Messages& messages, const PrepareOptions& options) {
     const StandardArithmetic standard;

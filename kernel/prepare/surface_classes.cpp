@@ -290,9 +290,11 @@ private:
 
     // Once: what stands so far out that its faces cannot be told from one another.
     void warn_of_distance(const Leaf& leaf) {
-        // By its box alone, and without a look at the object: no size that rounding may come near to.
-        const Vector from_origin = to_vector(leaf.placement.centre().anchor), across = leaf.box.diagonal();
-        if (dot(across, across) > 1e-18 * dot(from_origin, from_origin)) return;
+        // By its box alone, and without a look at the object: no size that rounding may come near to. Boxes that floats cannot
+        // hold have none.
+        const Vector from_origin = to_vector(leaf.placement.centre().anchor), across = leaf.bounds().diagonal();
+        const double size_squared = dot(across, across);
+        if (size_squared > 1e-18 * dot(from_origin, from_origin) && size_squared < infinity) return;
         const auto length_of = [](const Vector& v) { return std::hypot(v.x, v.y, v.z); };  // of any size
         const Vector own = leaf.object->bounds().diagonal();
         if (is_far_ || !(length_of(own) < infinity)) return;
@@ -368,11 +370,12 @@ private:
 
     bool join(PlacedSurface& surface, const PlacedSurface& representative, std::int32_t surface_class) {
         const Leaf &leaf = world_.leaves[surface.leaf], &other = world_.leaves[representative.leaf];
-        const Bounds used = unite(finite_part(leaf.box, scene_), finite_part(other.box, scene_));
+        const Bounds box = padded_box(leaf), other_box = padded_box(other);
+        const Bounds used = unite(finite_part(box, scene_), finite_part(other_box, scene_));
         const double tolerance = coincidence_tolerance(largest_coordinate(used), length(used.diagonal()));
         const double apart = distance_between(surface, representative, used);
         if (!(apart <= tolerance)) {
-            if (apart <= 1000 * tolerance && widened(leaf.box, apart).overlaps(other.box)) report_near(leaf, other, apart);
+            if (apart <= 1000 * tolerance && widened(box, apart).overlaps(other_box)) report_near(leaf, other, apart);
             return false;
         }
         surface.surface_class = surface_class;
@@ -382,7 +385,7 @@ private:
 
     void report_near(const Leaf& leaf, const Leaf& other, double apart) {
         // Far from the origin the tolerance is large; what is not near for the size of the objects is meant.
-        if (apart > 1e-3 * std::min(length(leaf.box.diagonal()), length(other.box.diagonal()))) return;
+        if (apart > 1e-3 * std::min(length(leaf.bounds().diagonal()), length(other.bounds().diagonal()))) return;
         messages_.warning(
             leaf.source->place,
             fmt::format("a face of this object is {:.1g} away from a face of the one at line {}; is that meant? They are "
@@ -440,13 +443,18 @@ private:
     void mark_touching(const std::vector<std::int32_t>& list, std::vector<bool>& shares) const {
         constexpr std::size_t worth_comparing = 32;
         if (list.size() < 2) return;
-        for (std::int32_t a : list) {
-            const std::int32_t leaf = surfaces_[a].leaf;
-            const auto touches = [&](std::int32_t b) {
-                return surfaces_[b].leaf != leaf && world_.leaves[leaf].box.overlaps(world_.leaves[surfaces_[b].leaf].box);
-            };
-            if (list.size() > worth_comparing || std::any_of(list.begin(), list.end(), touches)) shares[leaf] = true;
-        }
+        const bool compares = list.size() <= worth_comparing;
+        std::vector<Bounds> boxes;
+        for (std::size_t i = 0; compares && i < list.size(); ++i)
+            boxes.push_back(padded_box(world_.leaves[surfaces_[list[i]].leaf]));
+        const auto leaf_of = [&](std::size_t i) { return surfaces_[list[i]].leaf; };
+        const auto touches_any = [&](std::size_t a) {
+            for (std::size_t b = 0; b < list.size(); ++b)
+                if (leaf_of(b) != leaf_of(a) && boxes[a].overlaps(boxes[b])) return true;
+            return false;
+        };
+        for (std::size_t i = 0; i < list.size(); ++i)
+            if (!compares || touches_any(i)) shares[leaf_of(i)] = true;
     }
 
     World& world_;
@@ -469,11 +477,21 @@ double largest_coordinate(const Bounds& box) {
     return largest;
 }
 
+// Lines are placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
+Bounds padded_box(const Leaf& leaf) {
+    Bounds box = leaf.placement.to_parent(leaf.object->bounds());
+    const Point centre = leaf.placement.centre().rounded();
+    const double coordinate = std::max(largest_coordinate(box), largest_coordinate({centre, centre}));
+    const double padding = 2 * coincidence_tolerance(coordinate, box.is_finite() ? length(box.diagonal()) : 0);
+    const Vector pad{padding, padding, padding};
+    return {box.low - pad, box.high + pad};
+}
+
 Bounds region_of_interest(const World& world) {
     if (!world.bounds.is_empty()) return world.bounds;
     Bounds of_leaves, of_centres;
     for (const Leaf& leaf : world.leaves) {
-        if (leaf.box.is_finite()) of_leaves = unite(of_leaves, leaf.box);
+        if (const Bounds box = padded_box(leaf); box.is_finite()) of_leaves = unite(of_leaves, box);
         of_centres = unite(of_centres, leaf.placement.centre().rounded());
     }
     for (const Bounds& region : {of_leaves, of_centres})

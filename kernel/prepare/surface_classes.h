@@ -15,6 +15,9 @@ void recognise_coincident_surfaces(World& world, Messages& messages);
 // How far apart numbers of this size may be and still mean the same place: 64 half-ulp.
 inline double coincidence_tolerance(double coordinate, double extent) { return 64 * 0x1p-53 * (coordinate + extent); }
 
+// The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off.
+Bounds padded_box(const Leaf& leaf);
+
 // Where a scene's solids are: around the bounded ones; where there are none, around the leaves that are bounded; else around
 // the places of what has no bounds at all.
 Bounds region_of_interest(const World& world);

@@ -8,7 +8,7 @@
 
 namespace lapidary {
 
-// Fills in the solids' fits_lanes, owner, medium, priority and shadow. The World is otherwise complete.
+// Fills in the World's insides, and fits_lanes and shadow of its solids. The World is otherwise complete.
 void note_transparency(World& world);
 
 }  // namespace lapidary

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "kernel/export.h"
+#include "kernel/math/float_box.h"
 #include "kernel/math/transform.h"
 #include "kernel/prepare/box_blocks.h"
 #include "kernel/prepare/deep_tree.h"
@@ -24,27 +25,38 @@
 
 namespace lapidary {
 
-// Where a material stands in the world.
-struct MaterialPlacement {
-    Transform transform;  // from the material's space to the world
+// A material that varies in space, where it stands in the world.
+struct PlacedTexture {
+    const Material* material = nullptr;
+    Transform placement;  // from the material's space to the world
     double scale = 1;     // a length in the world times this is about its length in the material's space
 };
 
 // A material where it stands in the world.
 struct MaterialInstance {
-    const Material* material = nullptr;              // null: white, as objects without material are
-    const SceneMaterial* source = nullptr;           // as written; null: as `material`
-    std::shared_ptr<const MaterialPlacement> place;  // of one that is not uniform
-    Matter matter;                                   // of a uniform one: what it is everywhere
-    bool is_uniform = false;
+    const SceneMaterial* source = nullptr;   // as written; null: none, white as objects without material are
+    const PlacedTexture* texture = nullptr;  // of World::textures; null: it is uniform,
+    Colour colour = Colour::white();         // of this colour everywhere,
+    const Matter* finish = &plain_matter;    // and of this matter, of World::finishes, in all else
+    std::int32_t number = 0;                 // for the `material` layer, from 1
     bool may_be_transparent = false;
-    std::int32_t number = 0;  // for the `material` layer, from 1
 
-    const Transform& placement() const { return place ? place->transform : world_itself; }
-    double scale() const { return place ? place->scale : 1; }
+    bool is_uniform() const { return !texture; }
+    // Of a uniform one.
+    Matter matter() const {
+        Matter matter = *finish;
+        matter.colour = colour;
+        return matter;
+    }
+    // Of one that varies.
+    const Material& material() const { return *texture->material; }
+
+    const Transform& placement() const { return texture ? texture->placement : world_itself; }
+    double scale() const { return texture ? texture->scale : 1; }
 
 private:
-    static inline const Transform world_itself;
+    LAPIDARY_API static const Matter plain_matter;
+    LAPIDARY_API static const Transform world_itself;
 };
 
 // One face of a leaf, where faces of the leaf are shared: the class it belongs to.
@@ -63,7 +75,7 @@ struct SurfaceClass {
 struct Leaf {
     const Object* object = nullptr;  // of the scene, which the World keeps alive
     Transform placement;             // from the object's space to the world
-    Bounds box;                      // in the world, padded by rounding
+    FloatBox box;                    // in the world, padded by rounding; relative to the leaf's centre
     std::int32_t appearance = -1;    // material that its faces show; -1: the innards of what it cuts
     std::int32_t medium = 0;         // material of its inside
     double priority = 0;
@@ -73,17 +85,31 @@ struct Leaf {
     std::int32_t number = 0;                      // of the object for the `object` layer, from 1 in the order of writing
     std::int32_t most_spans = 1;                  // on any line, as the object says
     const SceneNode* source = nullptr;            // as written
+
+    const Point& anchor() const { return placement.centre().anchor; }
+    Bounds bounds() const { return box.around(anchor()); }
 };
 
 // An operation. Trees of operations are numbers: that of a node or, where negative, ~ that of a leaf.
 struct Node {
     Operation operation = Operation::union_;
     bool has_priority = false;
-    std::int32_t first = 0, count = 0;     // its operands, in World::children
-    std::int32_t owner = -1, medium = -1;  // of a merge: its leftmost leaf and the one material of its inside
-    std::int32_t united = -1;              // in World::united_operands; -1: few enough to be looked at one by one
+    std::int32_t first = 0, count = 0;  // its operands, in World::children
+    std::int32_t leftmost = 0;          // of the leaves below it
+    std::int32_t medium = -1;           // of a merge: the one material of its inside
+    std::int32_t united = -1;           // in World::united_operands; -1: few enough to be looked at one by one
     double priority = 0;
-    Bounds box;
+    FloatBox box;  // relative to the leftmost leaf's centre
+};
+
+// What a cell is made of: nothing, or the medium of the operand that owns it.
+struct Label {
+    std::int32_t owner = -1;   // the leaf (of a merge: its leftmost); -1: empty space
+    std::int32_t medium = -1;  // in World::materials
+    double priority = 0;
+
+    bool is_empty() const { return owner < 0; }
+    bool operator==(const Label& other) const { return owner == other.owner; }
 };
 
 // Of a node with many operands those that act as one, their union: all of a union's or a merge's, and the subtrahends of a
@@ -98,9 +124,6 @@ struct Solid {
     std::int32_t first_leaf = 0, leaf_count = 0;
     std::int32_t deep_tree = -1;  // in World::deep_trees; -1: shallow enough to be followed from node to node
     double rounding = 0;          // of a position on a line near it, apart from what the line's own length adds
-
-    double priority = 0;                   // of its inside, like
-    std::int32_t owner = -1, medium = -1;  // these, where that is of one medium
 
     // Of a product: inside all of its positive leaves, which come first, and outside all of the negative ones, each of one
     // span. Packets evaluate such solids for all lanes at once.
@@ -117,7 +140,9 @@ struct Solid {
     enum class Shadow : std::uint8_t { blocks, clear, asked };
     Shadow shadow = Shadow::blocks;
 };
-static_assert(sizeof(Solid) == 56);
+
+// A World of a hundred thousand solids takes half a kilobyte for each of them, of two leaves and of a colour of its own.
+static_assert(sizeof(Leaf) == 136 && sizeof(Node) == 56 && sizeof(Solid) == 40 && sizeof(MaterialInstance) == 56);
 
 // The longest cell of a line through a solid that rounding alone may have made, at t: what its two ends lost in their leaves'
 // spaces, which is the solid's `rounding`, and two roundings of t each, as a position in a leaf's space is added to that of the
@@ -152,6 +177,7 @@ public:
     std::vector<Node> nodes;
     std::vector<std::int32_t> children;  // trees
     std::vector<Solid> solids;           // in the order of writing
+    std::vector<Label> insides;          // of the solids, where some are transparent: what those of one medium are made of
     std::vector<Solid> clips;            // what only clips sheets
     std::vector<Sheet> sheets;
     std::vector<DeepTree> deep_trees;
@@ -161,7 +187,9 @@ public:
     std::vector<SurfaceUse> surface_uses;
     std::vector<SurfaceClass> surface_classes;
     std::vector<MaterialInstance> materials;
-    std::vector<std::shared_ptr<const Light>> lights;  // with direction
+    std::vector<std::shared_ptr<const PlacedTexture>> textures;  // what materials point to, like
+    std::vector<std::shared_ptr<const Matter>> finishes;         // these: seldom there are many
+    std::vector<std::shared_ptr<const Light>> lights;            // with direction
     std::vector<std::shared_ptr<const Light>> ambient_lights;
     Colour background;
     Bounds bounds;                        // of all bounded solids
@@ -179,7 +207,9 @@ public:
     };
     std::vector<NameFrom> names;
 
-    const Bounds& box_of(std::int32_t tree) const { return tree < 0 ? leaves[~tree].box : nodes[tree].box; }
+    Bounds box_of(std::int32_t tree) const {
+        return tree < 0 ? leaves[~tree].bounds() : nodes[tree].box.around(leaves[nodes[tree].leftmost].anchor());
+    }
     std::span<const std::int32_t> operands_of(const Node& node) const {
         return {children.data() + node.first, static_cast<std::size_t>(node.count)};
     }

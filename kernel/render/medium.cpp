@@ -63,11 +63,11 @@ Colour integrate(const Material& material, const MaterialLine& line, double t0, 
 }  // namespace
 
 Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward) {
-    if (instance.is_uniform) return instance.matter;
+    if (instance.is_uniform()) return instance.matter();
     const Point p = instance.placement().to_local(site.point);
     const double footprint = site.footprint * instance.scale();
     const double step = 1e-6 * footprint + 0x1p-40 * largest_component(p);
-    return instance.material->evaluate({p + step * normalize(instance.placement().to_local(toward)), footprint});
+    return instance.material().evaluate({p + step * normalize(instance.placement().to_local(toward)), footprint});
 }
 
 // Apart is measured across the boundary, not along the line: rounding moves a point by some ulps, and on a line that grazes the
@@ -92,17 +92,17 @@ TwoPartPoint crossing_point(const MaterialInstance& instance, const TwoPartPoint
     const MaterialLine line = material_line(instance, nearby, direction);
     if (t * length(line.direction) < 16 * (largest_component(line.origin) + 0x1p-10)) return found;
     const double lost = 0x1p-48 * t;
-    const Crossing again = instance.material->next_boundary(line, -lost, lost);
+    const Crossing again = instance.material().next_boundary(line, -lost, lost);
     return again.t < lost ? TwoPartPoint{nearby.anchor, nearby.offset + again.t * direction} : found;
 }
 
 Colour transmittance(const MaterialInstance& instance, const MaterialLine& line, double t0, double t1) {
-    if (instance.is_uniform) return transmittance(instance.matter, t1 - t0);
-    if (t1 == infinity) return transmittance(instance.material->evaluate({line.at(t0), 0}), infinity);
-    if (const auto matter = common_matter(*instance.material, line, t0, t1))
+    if (instance.is_uniform()) return transmittance(instance.matter(), t1 - t0);
+    if (t1 == infinity) return transmittance(instance.material().evaluate({line.at(t0), 0}), infinity);
+    if (const auto matter = common_matter(instance.material(), line, t0, t1))
         return matter->is_transparent() ? transmittance(*matter, t1 - t0) : Colour::white();
-    const Colour whole = integrate_once(*instance.material, line, t0, t1);
-    const Colour depth = integrate(*instance.material, line, t0, t1, whole, 20);
+    const Colour whole = integrate_once(instance.material(), line, t0, t1);
+    const Colour depth = integrate(instance.material(), line, t0, t1, whole, 20);
     return {std::exp(-depth.r), std::exp(-depth.g), std::exp(-depth.b)};
 }
 

@@ -277,11 +277,11 @@ void PacketPaths::place_in_world(const Transform& placement, const PointBatch& _
 }
 
 void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& faces) {
-    if (material.is_uniform) {
-        const Matter& matter = material.matter;
+    if (material.is_uniform()) {
+        const Matter& finish = *material.finish;
         for (int i = 0; i < width; ++i) {
-            faces.colour.set(i, matter.colour);
-            faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
+            faces.colour.set(i, material.colour);
+            faces.reflection[i] = finish.reflection, faces.shininess[i] = finish.shininess;
         }
         return;
     }

@@ -56,11 +56,7 @@ void PacketPaths::find_changes(Wave& wave, const BeamThroughWorld* beam) {
 
 // ---- faces -----------------------------------------------------------------------------------------------------------
 
-Label PacketPaths::label_of(std::int32_t solid) const {
-    if (solid < 0) return {};
-    const Solid& owner = world_.solids[solid];
-    return {owner.owner, owner.medium, owner.priority};
-}
+Label PacketPaths::label_of(std::int32_t solid) const { return solid < 0 ? Label{} : world_.insides[solid]; }
 
 Boundary PacketPaths::boundary_of(const ChangePacket& changes, int lane) const {
     Boundary boundary;
@@ -119,8 +115,8 @@ PacketPaths::Meeting PacketPaths::go_to_change(Wave& wave, int ray, std::span<Ra
     const double from = wave.from(ray);
     if (from == 0) tracer_.check_first_cell(wave.departure(ray), label_of(changes.before[lane]).owner);
     if (const std::int32_t owner = changes.before[lane]; owner >= 0) {
-        const MaterialInstance& medium = world_.materials[world_.solids[owner].medium];
-        if (!medium.is_uniform && medium.may_be_transparent) {
+        const MaterialInstance& medium = world_.materials[world_.insides[owner].medium];
+        if (!medium.is_uniform() && medium.may_be_transparent) {
             if (march(wave, ray, medium, first)) return Meeting::nothing;
         } else if (medium.may_be_transparent) {
             passed = passed * transmittance(medium, {}, from, t);
@@ -143,7 +139,7 @@ bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, 
     const ChangePacket& changes = wave.change(number);
     const double from = wave.from(number), t = changes.first.t[number % width];
     Crossing crossing;
-    if (medium.material->has_boundaries()) crossing = next_crossing(*medium.material, line, from, t);
+    if (medium.material().has_boundaries()) crossing = next_crossing(medium.material(), line, from, t);
     const double to = std::min(crossing.t, t);
     wave.passed[number] = wave.passed[number] * transmittance(medium, line, from, to);
     if (is_black(wave.passed[number])) return true;
@@ -154,7 +150,7 @@ bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, 
         trace_alone(wave, number, first);
         return true;
     }
-    encounter->cell_before = encounter->cell_behind = world_.solids[changes.before[number % width]].owner;
+    encounter->cell_before = encounter->cell_behind = world_.insides[changes.before[number % width]].owner;
     add_single_face_at_change(wave, number, crossing.t, *encounter);
     return true;
 }
@@ -199,7 +195,7 @@ std::int32_t PacketPaths::shown_at_change(const Wave& wave, int ray) const {
     const int lane = ray % width;
     const std::int32_t own = world_.leaves[changes.first.leaf[lane]].appearance;
     if (own >= 0) return own;
-    return world_.solids[changes.after[lane] >= 0 ? changes.after[lane] : changes.before[lane]].medium;
+    return world_.insides[changes.after[lane] >= 0 ? changes.after[lane] : changes.before[lane]].medium;
 }
 
 // Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, and of it which surface,
@@ -211,7 +207,7 @@ bool PacketPaths::is_plain_at_change(const Wave& wave, int ray) const {
     if (leaf < 0 || changes.first.solid[lane] < 0 || changes.before[lane] == after) return false;
     if (world_.leaves[leaf].first_surface >= 0 && changes.face[lane] < 0) return false;
     const std::int32_t shown = shown_at_change(wave, ray);
-    return after < 0 || world_.solids[after].medium == shown || !world_.materials[shown].may_be_transparent;
+    return after < 0 || world_.insides[after].medium == shown || !world_.materials[shown].may_be_transparent;
 }
 
 // Rays that meet the same face of a leaf.
@@ -297,9 +293,9 @@ void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<R
 // Of uniform matter at once.
 double PacketPaths::index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const {
     if (solid < 0) return 1;
-    const MaterialInstance& medium = world_.materials[world_.solids[solid].medium];
-    if (!medium.is_uniform) return tracer_.index_of(label_of(solid), site, toward, known);
-    return medium.matter.is_transparent() ? medium.matter.refraction : 1;
+    const MaterialInstance& medium = world_.materials[world_.insides[solid].medium];
+    if (!medium.is_uniform()) return tracer_.index_of(label_of(solid), site, toward, known);
+    return medium.finish->is_transparent() ? medium.finish->refraction : 1;
 }
 
 void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces) {
@@ -310,9 +306,7 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
         const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
         const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
         const bool leaving = (faces.leaving >> i & 1) != 0;
-        Matter sampled;
-        if (!material.is_uniform) sampled = matter_beside(material, site, leaving ? -beyond : beyond);
-        const Matter& matter = material.is_uniform ? material.matter : sampled;
+        const Matter matter = matter_beside(material, site, leaving ? -beyond : beyond);
         faces.colour.set(i, matter.colour);
         faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
         faces.opacity[i] = matter.opacity;
@@ -320,7 +314,7 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
             const ChangePacket& changes = wave.change(faces.ray[i]);
             const int lane = faces.ray[i] % width;
             faces.transparent |= 1U << i;
-            const bool known_behind = !leaving && world_.solids[changes.after[lane]].medium == shown;
+            const bool known_behind = !leaving && world_.insides[changes.after[lane]].medium == shown;
             faces.index_behind[i] = index_of(changes.after[lane], site, beyond, known_behind ? &matter : nullptr);
             faces.index_before[i] = index_of(changes.before[lane], site, -beyond, nullptr);
         }

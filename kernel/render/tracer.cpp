@@ -93,7 +93,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
     bool solid_beyond = dot(face.normal, ray.direction) < 0;
     if (!e.is_sheet && world.features.transparency)
         solid_beyond = !boundary.after.is_empty();
-    else if (!e.is_sheet && !world.materials[shown].is_uniform)
+    else if (!e.is_sheet && !world.materials[shown].is_uniform())
         solid_beyond = ray_through_world.enters(boundary);
     e.matter = matter_beside(world.materials[shown], site, solid_beyond ? beyond : -beyond);
 
@@ -162,12 +162,12 @@ void Tracer::Implementation::check_first_cell(const Departure& departure, std::i
 Colour Tracer::Implementation::medium_lets_through(const MaterialInstance& medium, const Ray& ray, double from, double to) const {
     if (!medium.may_be_transparent) return Colour::black();
     const MaterialLine line = material_line(medium, ray.origin, ray.direction);
-    if (medium.is_uniform || !medium.material->has_boundaries()) return transmittance(medium, line, from, to);
+    if (medium.is_uniform() || !medium.material().has_boundaries()) return transmittance(medium, line, from, to);
     Colour passed = Colour::white();
     for (double piece = from; piece < to && !is_black(passed);) {
-        const double end = std::min(next_crossing(*medium.material, line, piece, to).t, to);
+        const double end = std::min(next_crossing(medium.material(), line, piece, to).t, to);
         constexpr double far_enough = 1e6;  // a place inside of a piece without end
-        const Matter matter = medium.material->evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + far_enough)), 0});
+        const Matter matter = medium.material().evaluate({line.at(0.5 * piece + 0.5 * std::min(end, piece + far_enough)), 0});
         if (!matter.is_transparent()) return Colour::black();
         if (piece > from) passed = (1 - matter.opacity) * passed;
         passed = passed * transmittance(medium, line, piece, end);
@@ -316,8 +316,8 @@ Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySam
         const MaterialInstance* medium = label.is_empty() ? nullptr : &world.materials[label.medium];
         if (medium && medium->may_be_transparent) {
             const MaterialLine line = material_line(*medium, ray.origin, ray.direction);
-            if (!medium->is_uniform && medium->material->has_boundaries()) {
-                const Crossing crossing = next_crossing(*medium->material, line, from, boundary.t);
+            if (!medium->is_uniform() && medium->material().has_boundaries()) {
+                const Crossing crossing = next_crossing(medium->material(), line, from, boundary.t);
                 if (crossing.t < boundary.t) {
                     to = crossing.t;
                     encounter = encounter_crossing(ray, *medium, crossing, path.travelled);

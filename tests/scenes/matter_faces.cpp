@@ -58,7 +58,7 @@ TEST_CASE("Cut open, a solid shows at every point what was there before") {
                                place + "} "));
     const MaterialInstance* matter = nullptr;
     for (const MaterialInstance& instance : cut.world().materials)
-        if (!instance.is_uniform) matter = &instance;
+        if (!instance.is_uniform()) matter = &instance;
     REQUIRE(matter);
 
     std::mt19937 random(2);

@@ -165,10 +165,10 @@ SceneNodePtr without_bounds(const SceneNodePtr& node) {
 std::shared_ptr<const World> with_endless_boxes(const World& world) {
     auto copy = std::make_shared<World>(world);
     for (Node& node : copy->nodes) {
-        node.box = Bounds::everything();
+        node.box = FloatBox(Bounds::everything(), {});
         node.united = -1;
     }
-    for (Leaf& leaf : copy->leaves) leaf.box = Bounds::everything();
+    for (Leaf& leaf : copy->leaves) leaf.box = FloatBox(Bounds::everything(), {});
     copy->hierarchy = Hierarchy();
     copy->unbounded.clear();
     for (std::size_t i = 0; i < copy->solids.size(); ++i) copy->unbounded.push_back(static_cast<std::int32_t>(i));

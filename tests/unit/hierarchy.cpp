@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <set>
 #include <span>
@@ -30,9 +29,10 @@ std::vector<Bounds> random_boxes(std::size_t count, double extent, double size, 
 }
 
 Hierarchy hierarchy_over(const std::vector<Bounds>& boxes) {
-    std::vector<std::int32_t> items(boxes.size());
-    std::iota(items.begin(), items.end(), 0);
-    return {boxes, items};
+    std::vector<std::int32_t> left_out;
+    Hierarchy hierarchy(boxes, 0, left_out);
+    CHECK(left_out.empty());
+    return hierarchy;
 }
 
 std::multiset<std::int32_t> items_at(const Hierarchy& hierarchy, const Point& point) {
@@ -52,6 +52,15 @@ void check_nothing_is_lost(const std::vector<Bounds>& boxes) {
 
 TEST_CASE("every box is found where it stands") {
     for (const std::size_t count : {1, 2, 3, 7, 8, 9, 16, 17, 1000}) check_nothing_is_lost(random_boxes(count, 10, 0.5, 1));
+}
+
+TEST_CASE("boxes too large for floats are left out, and numbers count from where they are told to") {
+    const std::vector<Bounds> boxes{Bounds::cube(1), Bounds::everything(), {{3, 0, 0}, {4, 1, 1}}, Bounds::cube(1e31)};
+    std::vector<std::int32_t> left_out;
+    const Hierarchy hierarchy(boxes, 5, left_out);
+    CHECK(left_out == std::vector<std::int32_t>{6, 8});
+    CHECK(items_at(hierarchy, {0.5, 0.5, 0.5}) == std::multiset<std::int32_t>{5});
+    CHECK(items_at(hierarchy, {3.5, 0.5, 0.5}) == std::multiset<std::int32_t>{7});
 }
 
 TEST_CASE("boxes far from the origin, tiny, flat and enormous ones are found") {

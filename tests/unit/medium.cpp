@@ -19,14 +19,22 @@ MaterialPtr glass(double index, const Colour& colour = Colour::white(), double d
 }
 
 // A material in the world's own space.
-MaterialInstance placed(const MaterialPtr& material) {
-    MaterialInstance instance;
-    instance.material = material.get();
-    instance.is_uniform = material->is_uniform();
-    instance.may_be_transparent = material->may_be_transparent();
-    if (instance.is_uniform) instance.matter = material->evaluate({});
-    return instance;
-}
+class Placed : public MaterialInstance {
+public:
+    explicit Placed(const MaterialPtr& material) : texture_{material.get(), {}} {
+        may_be_transparent = material->may_be_transparent();
+        if (material->is_uniform())
+            finish_ = material->evaluate({}), colour = finish_.colour, finish = &finish_;
+        else
+            texture = &texture_;
+    }
+    Placed(const Placed&) = delete;
+    Placed& operator=(const Placed&) = delete;
+
+private:
+    PlacedTexture texture_;
+    Matter finish_;
+};
 
 }  // namespace
 
@@ -36,10 +44,10 @@ TEST_CASE("On a boundary of a texture, matter is that of the side which is asked
     for (const double far : {0.0, 16.0, 1e6}) {
         CAPTURE(far);
         const Point on_plane{far + 2, 0.5, 0.5}, on_shell{0, far + 2, 0};
-        CHECK(matter_beside(placed(checkers), {on_plane, 0}, {1, 0, 0}).refraction == 1.5);
-        CHECK(matter_beside(placed(checkers), {on_plane, 0}, {-1, 0, 0}).refraction == 1.25);
-        CHECK(matter_beside(placed(rings), {on_shell, 0}, {0, 1, 0}).refraction == 1.5);
-        CHECK(matter_beside(placed(rings), {on_shell, 0}, {0, -1, 0}).refraction == 1.25);
+        CHECK(matter_beside(Placed(checkers), {on_plane, 0}, {1, 0, 0}).refraction == 1.5);
+        CHECK(matter_beside(Placed(checkers), {on_plane, 0}, {-1, 0, 0}).refraction == 1.25);
+        CHECK(matter_beside(Placed(rings), {on_shell, 0}, {0, 1, 0}).refraction == 1.5);
+        CHECK(matter_beside(Placed(rings), {on_shell, 0}, {0, -1, 0}).refraction == 1.25);
     }
 }
 
@@ -72,7 +80,7 @@ TEST_CASE("On a line that grazes a boundary, rounding across it moves the end fa
 
 TEST_CASE("A crossing found from afar lies on the boundary as one found nearby") {
     const MaterialPtr rings = texture("rings", {}, {glass(1.5), glass(1.25)});
-    const MaterialInstance instance = placed(rings);
+    const Placed instance(rings);
     for (const double distance : {1.0, 1e3, 1e6, 1e9}) {
         CAPTURE(distance);
         const Vector direction = normalize(Vector{-1, 0.3, 0.2});
@@ -87,7 +95,7 @@ TEST_CASE("A crossing found from afar lies on the boundary as one found nearby")
 
 TEST_CASE("T69 Transmittance is that of Beer and Lambert, and exactly 1 for what does not absorb") {
     const MaterialPtr matter = glass(1.5, {std::exp(-0.5), 1, 0}, 2);
-    const MaterialInstance rose = placed(matter);
+    const Placed rose(matter);
     const MaterialLine line{{}, {1, 0, 0}};
     CHECK(std::fabs(transmittance(rose, line, 0, 3.2).r - 0.4493289641172216) <= 1e-16);
     CHECK(transmittance(rose, line, 0, 1e300).g == 1);
@@ -102,7 +110,7 @@ TEST_CASE("T69 Transmittance is that of Beer and Lambert, and exactly 1 for what
 TEST_CASE("Where colour varies, transmittance is the integral along the way") {
     const MaterialPtr waves = texture("sine", {number("refraction", {1.5}), number("colour", {0.9, 1, 0.5}),
                                                number("colour2", {0.3, 1, 0.5}), number("bump", {0})});
-    const MaterialInstance sine = placed(waves);
+    const Placed sine(waves);
     // Simpson's rule with very many steps, for the logarithm of the colour.
     const auto integral = [](double from, double to) {
         constexpr int steps = 20000;

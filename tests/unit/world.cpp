@@ -55,6 +55,65 @@ TEST_CASE("leaves that are out of reach are left out, and counted") {
           std::pair<std::size_t, std::size_t>{3, 0});
 }
 
+TEST_CASE("solids stand in the order of writing, each with its leaves together, and sheets behind them") {
+    const auto built = test::build(R"(lights { ambient { } } objects {
+    sphere { }
+    plane { transform { translate(0, -1, 0); } }
+    union {
+        subtraction { cube { } sphere { radius(1.2); } sphere { transform { translate(9, 0, 0); } } }
+        intersection { plane { } cube { } }
+    }
+    subtraction { union { cube { } sphere { transform { translate(1, 0, 0); } } } cylinder { } }
+    sphere { }
+})");
+    for (const std::string& headline : built->headlines()) FAIL_CHECK(headline);
+    REQUIRE(built->scene);
+    const auto world = prepare_world(*built->scene, built->messages);
+    std::vector<std::vector<std::int32_t>> numbers;
+    for (const Solid& solid : world->solids) {
+        CHECK(solid.first_leaf ==
+              (numbers.empty() ? 0 : static_cast<std::int32_t>((&solid - 1)->first_leaf + (&solid - 1)->leaf_count)));
+        std::vector<std::int32_t>& of_solid = numbers.emplace_back();
+        for (std::int32_t i = 0; i < solid.leaf_count; ++i)
+            of_solid.push_back(world->leaves.at(static_cast<std::size_t>(solid.first_leaf + i)).number);
+    }
+    // Distributed over a union, a subtrahend stands once in each of its parts.
+    CHECK(numbers == std::vector<std::vector<std::int32_t>>{{1}, {3, 4}, {8, 10}, {9, 10}, {11}});
+    CHECK(world->leaves_left_out == 1);
+
+    REQUIRE(world->sheets.size() == 2);
+    const auto number_of = [&](const Sheet& sheet) { return world->leaves.at(static_cast<std::size_t>(sheet.leaf)).number; };
+    CHECK(number_of(world->sheets[0]) == 2);
+    CHECK(world->sheets[0].order == 1);
+    CHECK(number_of(world->sheets[1]) == 6);
+    CHECK(world->sheets[1].order == 2);
+    REQUIRE(world->clips.size() == 1);
+    CHECK(world->leaves.at(static_cast<std::size_t>(world->clips[0].first_leaf)).number == 7);
+}
+
+TEST_CASE("materials of one finish share it, and keep their colours and numbers") {
+    const auto built = test::build(R"(lights { ambient { } } objects {
+    sphere { colour(1, 0, 0); shininess(20); }
+    sphere { colour(0, 1, 0); shininess(20); }
+    sphere { colour(0, 1, 0); shininess(30); }
+    sphere { }
+})");
+    REQUIRE(built->scene);
+    const auto world = prepare_world(*built->scene, built->messages);
+    REQUIRE(world->materials.size() == 4);
+    CHECK(world->finishes.size() == 2);
+    const std::vector<Colour> colours{Colour::white(), {1, 0, 0}, {0, 1, 0}, {0, 1, 0}};
+    const std::vector<double> shininess{10, 20, 20, 30};
+    for (std::size_t i = 0; i < 4; ++i) {
+        CAPTURE(i);
+        const MaterialInstance& material = world->materials[i];
+        REQUIRE(material.is_uniform());
+        CHECK(material.matter().colour == colours[i]);
+        CHECK(material.matter().shininess == shininess[i]);
+        CHECK(material.number == static_cast<std::int32_t>(i) + 1);
+    }
+}
+
 TEST_CASE("of thousands of balls, those that stand there twice share their faces, and no others") {
     constexpr int balls = 3000, every = 10;
     std::mt19937_64 random(3);
