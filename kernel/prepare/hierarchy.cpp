@@ -4,8 +4,10 @@
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "kernel/math/outward.h"
 #include "kernel/math/standard_arithmetic.h"
@@ -19,7 +21,8 @@ constexpr std::size_t few = 8;              // so few items are sorted, and ever
 constexpr std::size_t worth_a_task = 4096;  // items
 constexpr int depth_limit = 100;            // the traversal's stack holds 128 entries; beyond it, cut in the middle
 
-// The low ends, and the high ones with the other sign, so that both grow downward: one instruction includes all six.
+// The low ends, and the high ones with the other sign, so that both grow downward: one instruction includes all six. Two lanes
+// mean nothing.
 struct alignas(32) Box {
     std::array<float, 8> ends{INFINITY, INFINITY, INFINITY, 0, INFINITY, INFINITY, INFINITY, 0};
 
@@ -35,13 +38,20 @@ struct alignas(32) Box {
         const double x = width(0), y = width(1), z = width(2);
         return x * y + y * z + z * x;
     }
+    std::size_t widest_axis() const {
+        std::size_t widest = 0;
+        for (const std::size_t axis : {1, 2})
+            if (width(axis) > width(widest)) widest = axis;
+        return widest;
+    }
 };
 
-// An item with its box, relative to the anchor and rounded outward.
+// An item with its box, relative to the anchor and rounded outward. The item's number stands in a lane that means nothing, as
+// entries are moved often.
 struct Entry {
     Box box;
-    std::int32_t item = 0;
 
+    std::int32_t item() const { return std::bit_cast<std::int32_t>(box.ends[3]); }
     float twice_centre(std::size_t axis) const { return box.low(axis) + box.high(axis); }
     // The middle, doubled, as a box.
     Box twice_centre() const {
@@ -65,60 +75,57 @@ bool fits_floats(const Bounds& box) {
 
 Entry make_entry(const Bounds& bounds, const Point& anchor, std::int32_t item) {
     const Vector low = bounds.low - anchor, high = bounds.high - anchor;
-    return {{{float_below(low.x), float_below(low.y), float_below(low.z), 0, float_below(-high.x), float_below(-high.y),
-              float_below(-high.z), 0}},
-            item};
+    return {{{float_below(low.x), float_below(low.y), float_below(low.z), std::bit_cast<float>(item), float_below(-high.x),
+              float_below(-high.y), float_below(-high.z), 0}}};
 }
 
-// What a number of entries take up: their boxes, and the middles of these, doubled.
-struct Extent {
-    Box box, centres;
+// A number of entries, and the box around them.
+struct Part {
+    Box box;
     std::size_t count = 0;
 
     void include(const Entry& entry) {
         box.include(entry.box);
-        centres.include(entry.twice_centre());
         ++count;
     }
-    void include(const Extent& other) {
+    void include(const Part& other) {
         box.include(other.box);
-        centres.include(other.centres);
         count += other.count;
     }
     double cost() const { return box.half_area() * static_cast<double>(count); }
-
-    std::size_t widest_axis() const {
-        std::size_t widest = 0;
-        for (const std::size_t axis : {1, 2})
-            if (centres.width(axis) > centres.width(widest)) widest = axis;
-        return widest;
-    }
 };
 
-Extent extent_of(std::span<const Entry> entries) {
-    Extent extent;
-    for (const Entry& entry : entries) extent.include(entry);
-    return extent;
+Part all_of(std::span<const Entry> entries) {
+    Part part;
+    for (const Entry& entry : entries) part.include(entry);
+    return part;
+}
+
+// The box around the middles of entries, doubled.
+Box box_of_centres(std::span<const Entry> entries) {
+    Box box;
+    for (const Entry& entry : entries) box.include(entry.twice_centre());
+    return box;
 }
 
 // Two neighbouring ranges of entries.
 struct Cut {
-    std::array<Extent, 2> halves;
+    std::array<Part, 2> halves;
     std::size_t first_right = 0;  // the bin in which the right one begins
 };
 
 // Between which of the bins to cut, the first and last of which hold something: where area times number, left and right, is
 // least.
-Cut cheapest_cut(std::span<const Extent> bins) {
-    std::array<Extent, bin_count> right;
-    Extent sum;
+Cut cheapest_cut(std::span<const Part> bins) {
+    std::array<Part, bin_count> right;
+    Part sum;
     for (std::size_t bin = bins.size() - 1; bin > 0; --bin) {
         sum.include(bins[bin]);
         right[bin] = sum;
     }
     Cut cut;
     double least = infinity;
-    sum = Extent();
+    sum = Part();
     for (std::size_t bin = 1; bin < bins.size(); ++bin) {
         sum.include(bins[bin - 1]);
         const double cost = sum.cost() + right[bin].cost();
@@ -132,40 +139,53 @@ Cut cheapest_cut(std::span<const Extent> bins) {
 
 void sort_along(std::size_t axis, std::span<Entry> entries) {
     std::sort(entries.begin(), entries.end(), [axis](const Entry& a, const Entry& b) {
-        return std::make_tuple(a.twice_centre(axis), a.item) < std::make_tuple(b.twice_centre(axis), b.item);
+        return std::make_tuple(a.twice_centre(axis), a.item()) < std::make_tuple(b.twice_centre(axis), b.item());
     });
 }
 
 // Every entry a bin of its own.
-std::array<Extent, 2> cut_few(std::span<Entry> entries, const Extent& extent) {
-    if (entries.size() == 2) return {extent_of(entries.first(1)), extent_of(entries.last(1))};
-    sort_along(extent.widest_axis(), entries);
-    std::array<Extent, few> bins;
+std::array<Part, 2> cut_few(std::span<Entry> entries, std::size_t axis) {
+    sort_along(axis, entries);
+    std::array<Part, few> bins;
     for (std::size_t i = 0; i < entries.size(); ++i) bins[i].include(entries[i]);
     return cheapest_cut({bins.data(), entries.size()}).halves;
 }
 
-std::array<Extent, 2> cut_in_the_middle(std::span<Entry> entries, const Extent& extent) {
-    sort_along(extent.widest_axis(), entries);
+std::array<Part, 2> cut_in_the_middle(std::span<Entry> entries, std::size_t axis) {
+    sort_along(axis, entries);
     const std::size_t middle = entries.size() / 2;
-    return {extent_of(entries.first(middle)), extent_of(entries.subspan(middle))};
+    return {all_of(entries.first(middle)), all_of(entries.subspan(middle))};
+}
+
+// Brings those entries to the front that belong there. Every entry is swapped, be it with one of its own kind: which kind comes
+// next cannot be foreseen, and a wrong guess would cost more.
+template <class BelongsToFront>
+void bring_to_front(std::span<Entry> entries, BelongsToFront belongs_to_front) {
+    std::size_t front = 0;
+    for (Entry& entry : entries) {
+        const bool belongs = belongs_to_front(entry);
+        std::swap(entry, entries[front]);
+        front += belongs ? 1 : 0;
+    }
 }
 
 // Brings the entries into two groups, the left one first.
-std::array<Extent, 2> cut(std::span<Entry> entries, const Extent& extent, int depth) {
-    const std::size_t axis = extent.widest_axis();
-    const float low = extent.centres.low(axis);
-    const float per_bin = bin_count / extent.centres.width(axis);
-    if (depth >= depth_limit || !(per_bin < INFINITY)) return cut_in_the_middle(entries, extent);
-    if (entries.size() <= few) return cut_few(entries, extent);
+std::array<Part, 2> cut(std::span<Entry> entries, int depth) {
+    if (entries.size() == 2) return {all_of(entries.first(1)), all_of(entries.last(1))};
+    const Box centres = box_of_centres(entries);
+    const std::size_t axis = centres.widest_axis();
+    const float low = centres.low(axis);
+    const float per_bin = bin_count / centres.width(axis);
+    if (depth >= depth_limit || !(per_bin < INFINITY)) return cut_in_the_middle(entries, axis);
+    if (entries.size() <= few) return cut_few(entries, axis);
 
     const auto bin_of = [&](const Entry& entry) {
         return std::min(static_cast<std::size_t>((entry.twice_centre(axis) - low) * per_bin), bin_count - 1);
     };
-    std::array<Extent, bin_count> bins;
+    std::array<Part, bin_count> bins;
     for (const Entry& entry : entries) bins[bin_of(entry)].include(entry);
     const Cut cheapest = cheapest_cut(bins);
-    std::partition(entries.begin(), entries.end(), [&](const Entry& e) { return bin_of(e) < cheapest.first_right; });
+    bring_to_front(entries, [&](const Entry& entry) { return bin_of(entry) < cheapest.first_right; });
     return cheapest.halves;
 }
 
@@ -181,17 +201,17 @@ void set_box(Hierarchy::Node& node, std::size_t child, const Box& box) {
 
 // The subtree over two entries or more. It fills one node less than it has entries, from `first` on, so that each subtree's
 // place is known before it is built.
-void build(std::span<Entry> entries, const Extent& extent, std::int32_t first, int depth, std::vector<Hierarchy::Node>& nodes) {
-    const std::array<Extent, 2> halves = cut(entries, extent, depth);
+void build(std::span<Entry> entries, std::int32_t first, int depth, std::vector<Hierarchy::Node>& nodes) {
+    const std::array<Part, 2> halves = cut(entries, depth);
     const std::size_t middle = halves[0].count;
     const std::array<std::span<Entry>, 2> parts{entries.first(middle), entries.subspan(middle)};
     const std::array<std::int32_t, 2> roots{first + 1, first + static_cast<std::int32_t>(middle)};
     for (std::size_t i = 0; i < 2; ++i) {
         set_box(nodes[first], i, halves[i].box);
-        nodes[first].child[i] = parts[i].size() == 1 ? ~parts[i].front().item : roots[i];
+        nodes[first].child[i] = parts[i].size() == 1 ? ~parts[i].front().item() : roots[i];
     }
     const auto build_part = [&](std::size_t i) {
-        if (parts[i].size() > 1) build(parts[i], halves[i], roots[i], depth + 1, nodes);
+        if (parts[i].size() > 1) build(parts[i], roots[i], depth + 1, nodes);
     };
     if (entries.size() >= worth_a_task) {
         const auto build_on_any_thread = [&](std::size_t i) {
@@ -225,13 +245,13 @@ Hierarchy::Hierarchy(std::span<const Bounds> boxes, std::int32_t first, std::vec
     if (entries.size() == 1) {
         Node& only = nodes_.emplace_back();
         set_box(only, 0, entries.front().box);
-        only.child = {~entries.front().item, no_child};
+        only.child = {~entries.front().item(), no_child};
         only.low[1] = {INFINITY, INFINITY, INFINITY};
         only.high[1] = {-INFINITY, -INFINITY, -INFINITY};
         return;
     }
     nodes_.resize(entries.size() - 1);
-    build(entries, extent_of(entries), 0, 0, nodes_);
+    build(entries, 0, 0, nodes_);
 }
 
 double Hierarchy::reach() const {
