@@ -26,6 +26,8 @@ public:
     Placement place(SamplePair square) const;
 
     double radius() const { return radius_; }
+    // It weighs all places of the pixel alike, and no other ones.
+    bool is_pixel() const { return cumulative_.empty() && radius_ == 0.5; }
     bool has_negative_lobes() const { return has_negative_lobes_; }
 
 private:

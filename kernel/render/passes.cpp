@@ -32,6 +32,10 @@ constexpr std::uint32_t first_samples = 4;
 // takes four, and so does a lens, through which everything is spread thin.
 constexpr std::uint32_t first_samples_of_coarse_picture = 2;
 constexpr double least_coarse_error = 0.01;
+// For still larger ones, the middles of the pixels will do: of shading that changes evenly they are exact, and edges stand out. A
+// pattern that repeats with the pixels can hide from them, which would matter to smaller errors.
+constexpr double least_error_from_middles = 0.025;
+constexpr int passes_from_middles = 2;                        // until the last pixel has its first samples
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
@@ -43,10 +47,11 @@ float to_float(double value) {
     return static_cast<float>(from_below > -largest_float ? from_below : -largest_float);
 }
 
-// How many samples a pixel will still take if its error falls as it should.
-std::uint64_t samples_to_come(const Pixel& pixel, double tolerance, std::uint32_t most) {
-    std::uint64_t taken = pixel.taken;
-    for (double error = pixel.error; error > tolerance && taken < most; error *= error_after_doubling) taken *= 2;
+// How many samples a pixel that will have so many next will still take if its error falls as it should.
+std::uint64_t samples_to_come(const Pixel& pixel, std::uint32_t next, double tolerance, std::uint32_t most) {
+    std::uint64_t taken = next;
+    for (double error = pixel.error * error_after_doubling; error > tolerance && taken < most; error *= error_after_doubling)
+        taken *= 2;
     return taken - pixel.taken;
 }
 
@@ -107,6 +112,13 @@ void set_middles(std::span<const PixelPlace, batch_size> pixels, std::uint32_t s
     for (std::size_t i = 0; i < batch_size; ++i) places.key[i] = {key[i], 0};
 }
 
+bool is_coarse(const SamplingPlan& plan) { return plan.error >= least_coarse_error && !plan.refine_until_time_is_up; }
+
+bool may_begin_with_middles(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
+    return is_coarse(plan) && plan.error >= least_error_from_middles && filter.is_pixel() && !camera.has_lens() &&
+           !plan.lights_are_sampled;
+}
+
 class Passes {
 public:
     Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
@@ -119,6 +131,7 @@ private:
     void preview();
     void sample_uniformly(int samples);
     void sample_adaptively();
+    void sample_all_middles();
     void sample_until_time_is_up();
 
     // One pass over the tiles of a region: every pixel that does not rest takes samples up to the goal, or else doubles them.
@@ -139,8 +152,10 @@ private:
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
     // Between passes.
-    // Lets pixels rest that are within the tolerance; false where no other one may take samples.
-    bool look_at_errors(const PixelRegion& region, double tolerance);
+    // Lets pixels rest that are within the tolerance; false where no other one may take samples. The second look at middles is at
+    // those with samples around, and wakes pixels that rested after the first.
+    enum class Look { at_samples, at_middles, at_middles_again };
+    bool look_at_errors(const PixelRegion& region, double tolerance, Look look = Look::at_samples);
     bool may_not_rest(const Pixel& pixel, double tolerance) const;
     bool may_go_on(const Pixel& pixel) const;
     std::uint32_t goal_of(const Pixel& pixel, std::optional<std::uint32_t> goal) const;
@@ -160,6 +175,9 @@ private:
         const std::size_t in_row = (static_cast<std::size_t>(picture_.width()) + tile_size - 1) / tile_size;
         return restless_[static_cast<std::size_t>(tile.y0 / tile_size) * in_row + static_cast<std::size_t>(tile.x0 / tile_size)];
     }
+    // For a coarse picture, the middles of the pixels reveal edges. They stand for the pixels where nothing else varies within
+    // one.
+    bool begins_with_middles() const { return plan_.samples == 0 && may_begin_with_middles(plan_, camera_, filter_); }
     bool finishes_tiles_at_once() const { return plan_.samples == 1 || (plan_.samples > 1 && !filter_.has_negative_lobes()); }
     bool is_stopped() const;
     bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
@@ -203,9 +221,9 @@ std::uint32_t most_samples(const SamplingPlan& plan) {
 }
 
 std::uint32_t first_samples_of(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
-    const bool coarse = plan.error >= least_coarse_error && !plan.refine_until_time_is_up && !camera.has_lens();
+    const bool few = is_coarse(plan) && !may_begin_with_middles(plan, camera, filter) && !camera.has_lens();
     const std::uint32_t samples = filter.has_negative_lobes() ? first_samples_of_signed_filter
-                                  : coarse                    ? first_samples_of_coarse_picture
+                                  : few                       ? first_samples_of_coarse_picture
                                                               : first_samples;
     // Every lens point has its turn.
     return std::max(samples, std::bit_ceil(static_cast<std::uint32_t>(camera.lens_points())));
@@ -231,6 +249,7 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
     if (plan.samples == 0) {
         most_samples_ = std::max(first_samples_, most_samples(plan));
         most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
+        if (begins_with_middles()) most_passes_ += passes_from_middles;
         if (!region_.is_empty()) area_ = intersection(grown(region_, most_passes_ + 1), picture_);
     }
 }
@@ -288,14 +307,30 @@ void Passes::sample_uniformly(int samples) {
 }
 
 void Passes::sample_adaptively() {
-    expected_samples_ = guessed_refinement * pixel_count(area_) * first_samples_;
-    trace_pixels(area_, first_samples_);
+    expected_samples_ = guessed_refinement * pixel_count(area_) * (begins_with_middles() ? 1 : first_samples_);
+    if (begins_with_middles())
+        sample_all_middles();
+    else
+        trace_pixels(area_, first_samples_);
 
     for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
         const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
-        if (!look_at_errors(taking_part, plan_.error)) break;
+        const Look look = !begins_with_middles() || pass > passes_from_middles ? Look::at_samples
+                          : pass < passes_from_middles                         ? Look::at_middles
+                                                                               : Look::at_middles_again;
+        if (!look_at_errors(taking_part, plan_.error, look)) break;
         trace_pixels(taking_part, std::nullopt);
     }
+}
+
+void Passes::sample_all_middles() {
+    for_each_tile(area_, [&](const PixelRegion& tile) {
+        sample_middles(tile, workers_.local());
+        taken_samples_ += pixel_count(tile);
+        report_progress();
+        const PixelRegion shown = intersection(tile, region_);
+        if (!shown.is_empty()) announce(shown);
+    });
 }
 
 void Passes::sample_until_time_is_up() {
@@ -351,6 +386,7 @@ std::uint64_t Passes::trace_tile(const PixelRegion& tile, std::optional<std::uin
         samples += to_have - pixel.taken;
         worker.doublings.push_back(
             {place, pixels_.colour_of(index), pixel.taken > first_samples_ ? to_float(pixel.moves) : no_moves});
+        if (pixel.has_only_middle()) pixel.estimate = {};
         if (!is_stopped()) take_samples(place, pixel, to_have, worker);
     });
     flush(worker);
@@ -433,12 +469,15 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         const bool finite = is_finite(sample->colour);
         const Colour colour = finite ? sample->colour : Colour::black();
         worker.non_finite_samples += !finite;
-        store(frame_.pixel(Layer::colour, pixel.x, pixel.y), colour.r, colour.g, colour.b);
-        if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
-        if (wants_layers_) write_layers(pixel, *sample);
+        if (!pixels_.is_empty()) pixels_[pixel].keep_middle(sample->colour);
+        if (is_in(pixel, region_)) {
+            store(frame_.pixel(Layer::colour, pixel.x, pixel.y), colour.r, colour.g, colour.b);
+            if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
+            if (wants_layers_) write_layers(pixel, *sample);
+        }
         ++sample;
     }
-    worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
+    if (pixels_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
@@ -489,7 +528,7 @@ void Passes::take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Wo
         batch.number[i] = number, batch.pixel[i] = &pixel, batch.estimate[i] = estimate;
         if (batch.size == most_rays) flush(worker);
     };
-    if (wants_layers_ && pixel.taken == 0 && is_in(place, region_)) {
+    if (wants_layers_ && pixel.rays() == 0 && is_in(place, region_)) {
         batch.layers = true;
         add(0, nullptr);
     }
@@ -607,6 +646,7 @@ void Passes::wake_all() {
 
 std::uint32_t Passes::goal_of(const Pixel& pixel, std::optional<std::uint32_t> goal) const {
     if (goal) return *goal;
+    if (pixel.taken == 0) return first_samples_;
     return may_go_on(pixel) ? 2 * pixel.taken : pixel.taken;
 }
 
@@ -622,7 +662,7 @@ bool Passes::may_not_rest(const Pixel& pixel, double tolerance) const {
     return tolerance < least_coarse_error && pixel.taken == first_samples_ && !filter_.has_negative_lobes();
 }
 
-bool Passes::look_at_errors(const PixelRegion& region, double tolerance) {
+bool Passes::look_at_errors(const PixelRegion& region, double tolerance, Look look) {
     std::atomic<std::uint64_t> to_come{0};
     std::atomic<std::size_t> going_on{0}, going_on_in_region{0};
     for_each_tile(region, [&](const PixelRegion& tile) {
@@ -630,26 +670,33 @@ bool Passes::look_at_errors(const PixelRegion& region, double tolerance) {
         std::size_t pixels = 0, pixels_in_region = 0;
         PixelField::BlockErrors errors;
         // The estimates of others look at a pixel's samples, which stay as they are meanwhile, not at its error.
-        const auto estimate = [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); };
+        const auto estimate = [&](PixelPlace block) {
+            pixels_.estimate_errors(block, first_samples_, look != Look::at_samples, errors);
+        };
         const auto rests = [&](PixelPlace place, std::size_t in_block) {
             Pixel& pixel = pixels_[place];
-            if (pixel.error > tolerance) pixel.error = to_float(errors[in_block]);
+            if (pixel.error > tolerance || pixel.has_only_middle()) pixel.error = to_float(errors[in_block]);
             const bool too_early = may_not_rest(pixel, tolerance);
             if (pixel.error <= tolerance && !too_early) return true;
             if (!may_go_on(pixel)) return false;
-            samples += std::max<std::uint64_t>(pixel.taken, samples_to_come(pixel, tolerance, most_samples_));
+            const std::uint32_t next = goal_of(pixel, std::nullopt);
+            samples += samples_to_come(pixel, next, tolerance, most_samples_);
             if (too_early) pixel.error = std::numeric_limits<float>::infinity();  // look again, whatever it seems now
             pixels += 1;
             pixels_in_region += is_in(place, region_);
             return false;
         };
+        if (look == Look::at_middles_again)
+            restless_pixels_of(tile).add_blocks(tile, [&](PixelPlace block) { return pixels_.has_samples_around(block); });
         restless_pixels_of(tile).remove_if(tile, estimate, rests);
         to_come += samples, going_on += pixels, going_on_in_region += pixels_in_region;
     });
     if (is_stopped()) return false;
 
     expected_samples_ = taken_samples_ + to_come;
-    if (!plan_.refine_until_time_is_up) frame_.count_finished(pixel_count(region_) - going_on_in_region - frame_.finished());
+    const bool may_wake = look == Look::at_middles && going_on > 0;
+    if (!plan_.refine_until_time_is_up && !may_wake)
+        frame_.count_finished(pixel_count(region_) - going_on_in_region - frame_.finished());
     return going_on > 0;
 }
 
@@ -658,7 +705,7 @@ bool Passes::look_at_errors(const PixelRegion& region, double tolerance) {
 void Passes::write_pixel(PixelPlace place, const Pixel& pixel, const Colour& colour) {
     const auto [x, y] = place;
     store(frame_.pixel(Layer::colour, x, y), colour.r, colour.g, colour.b);
-    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixel.taken);
+    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixel.rays());
 }
 
 void Passes::write_layers(PixelPlace place, const RaySample& sample) {
@@ -690,12 +737,12 @@ void Passes::estimate_what_was_stopped() {
     PixelField::BlockErrors errors;
     for (const PixelRegion& tile : tiles_of(region_))
         restless_pixels_of(tile).remove_if(
-            tile, [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); },
+            tile, [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, begins_with_middles(), errors); },
             [&](PixelPlace place, std::size_t in_block) {
                 Pixel& pixel = pixels_[place];
                 if (plan_.samples > 0)
                     pixel.error = static_cast<float>(own_error(pixel));
-                else if (pixel.taken >= first_samples_ && std::isinf(pixel.error))
+                else if ((pixel.taken >= first_samples_ || pixel.has_only_middle()) && std::isinf(pixel.error))
                     pixel.error = static_cast<float>(errors[in_block]);
                 return false;
             });
@@ -714,9 +761,9 @@ RenderReport Passes::report() {
         for (int x = region_.x0; x < region_.x1; ++x) {
             const Pixel& pixel = pixels_[PixelPlace{x, y}];
             if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = pixel.error;
-            report.samples += pixel.taken;
+            report.samples += pixel.rays();
             report.within_error += pixel.error <= plan_.error;
-            sampled += pixel.taken > 0;
+            sampled += pixel.rays() > 0;
         }
 
     report.complete = !is_cancelled() && sampled == report.pixels;

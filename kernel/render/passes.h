@@ -11,6 +11,8 @@
 //   k-1, those on theirs after pass k-2 …, never on tiles. A region therefore renders a margin around itself: pixels at
 //   distance d take part in the first K-d of at most K passes, and every pixel of the region ends bit for bit as in the full
 //   picture. Margin pixels that are flat cost the first passes only.
+//   A coarse picture begins with the middles of the pixels, where these depend on nothing else: a pixel that lies between its
+//   neighbours in colour rests at once. After the others' first samples it is looked at again and woken where they show more.
 // - Against the clock: the same with a tolerance that is halved again and again until the time is up.
 //
 // Tiles are walked along a Z-shaped curve, so that consecutive rays lie close together; they are traced in batches that
@@ -51,6 +53,7 @@ struct SamplingPlan {
     int samples = 0;                       // of every pixel; 0: as many as the error asks for
     double error = 0.004;                  // where samples is 0
     bool refine_until_time_is_up = false;  // as good as the time allows, with samples 0
+    bool lights_are_sampled = false;       // what a ray brings back depends on its number, too
 };
 
 LAPIDARY_API SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/math/vector.h"
 
@@ -11,7 +12,14 @@ namespace lapidary {
 namespace {
 
 constexpr int window_size = block_size + 2;
-using Row = std::array<double, block_size>;
+
+// Calls `visit(y, x)` for the nine places around and at one, from (0, 0) to (2, 2), all written out: what they find stays in
+// registers.
+template <typename Visit>
+void for_each_around(Visit&& visit) {
+    [&]<std::size_t... place>(std::index_sequence<place...>) { (visit(place / 3, place % 3), ...); }
+    (std::make_index_sequence<9>());
+}
 
 }  // namespace
 
@@ -22,6 +30,8 @@ struct PixelField::Window {
     Numbers r, g, b;   // not a number where there is nothing
     Numbers variance;  // 0 where there is nothing
     Numbers count, taken, moves;
+    bool has_samples = false;  // more than middles
+    bool has_moved = false;    // some pixel has taken more than the first samples
 };
 
 void PixelField::resize(const PixelRegion& area, bool has_negative_lobes) {
@@ -39,54 +49,109 @@ Colour PixelField::colour_without_negative(std::size_t index) const {
     return estimate.mean() + weight * (estimate.mean() - negative.mean());
 }
 
-void PixelField::look_around(PixelPlace block, Window& window) const {
+void PixelField::look_around(PixelPlace block, std::uint32_t first_samples, Window& window) const {
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-    for (int row = 0; row < window_size; ++row)
-        for (int column = 0; column < window_size; ++column) {
-            const PixelPlace place{block.x + column - 1, block.y + row - 1};
-            const bool is_there = is_in(place, area_);
-            const std::size_t index = is_there ? index_of(place) : 0;
-            const auto i = static_cast<std::size_t>(row), j = static_cast<std::size_t>(column);
+    const PixelRegion around = grown({block.x, block.y, block.x + block_size, block.y + block_size}, 1);
+    const PixelRegion there = intersection(around, area_);
+    if (pixel_count(there) < pixel_count(around)) {
+        for (Window::Numbers* numbers : {&window.r, &window.g, &window.b})
+            for (auto& row : *numbers) row.fill(nothing);
+        window.variance = {}, window.count = {}, window.taken = {}, window.moves = {};
+    }
+    for (int y = there.y0; y < there.y1; ++y)
+        for (int x = there.x0; x < there.x1; ++x) {
+            const auto i = static_cast<std::size_t>(y - around.y0), j = static_cast<std::size_t>(x - around.x0);
+            const std::size_t index = index_of({x, y});
             const Pixel& pixel = pixels_[index];
-            const auto count = is_there ? pixel.estimate.count() : 0;
-            const Colour colour = count > 0 ? colour_of(index) : Colour::grey(nothing);
+            const Colour colour = pixel.estimate.count() > 0 ? colour_of(index) : Colour::grey(nothing);
             window.r[i][j] = colour.r, window.g[i][j] = colour.g, window.b[i][j] = colour.b;
-            window.variance[i][j] = count > 0 ? pixel.variance : 0;
-            window.count[i][j] = count;
+            window.variance[i][j] = pixel.variance;
+            window.count[i][j] = pixel.estimate.count();
+            window.taken[i][j] = pixel.taken;
             window.moves[i][j] = pixel.moves;
-            window.taken[i][j] = is_there ? pixel.taken : -1.0;
+            window.has_samples |= pixel.taken > 0;
+            window.has_moved |= pixel.taken > first_samples;
         }
 }
 
-// A pixel's own spread counts among those around it, too: of two samples or more, its own error by it is greater anyway.
-void PixelField::estimate_errors(PixelPlace block, std::uint32_t first_samples, BlockErrors& errors) const {
+bool PixelField::has_samples_around(PixelPlace block) const {
+    const PixelRegion around = intersection(grown({block.x, block.y, block.x + block_size, block.y + block_size}, 1), area_);
+    for (int y = around.y0; y < around.y1; ++y)
+        for (int x = around.x0; x < around.x1; ++x)
+            if (pixels_[index_of({x, y})].taken > 0) return true;
+    return false;
+}
+
+void PixelField::estimate_errors(PixelPlace block, std::uint32_t first_samples, bool by_middles, BlockErrors& errors) const {
     Window window;
-    look_around(block, window);
+    look_around(block, first_samples, window);
+    errors.fill(infinity);
     for (std::size_t row = 0; row < block_size; ++row) {
-        Row variance{}, contrast{}, moves{}, movers{};  // the greatest squares, and sums
-        for (std::size_t y = row; y < row + 3; ++y)
-            for (std::size_t dx = 0; dx < 3; ++dx)
-                for (std::size_t i = 0; i < block_size; ++i) {
-                    const std::size_t x = i + dx;
-                    const double r = window.r[row + 1][i + 1] - window.r[y][x];
-                    const double g = window.g[row + 1][i + 1] - window.g[y][x];
-                    const double b = window.b[row + 1][i + 1] - window.b[y][x];
-                    const double square = r * r + g * g + b * b;
-                    contrast[i] = contrast[i] < square ? square : contrast[i];
-                    variance[i] = std::max(variance[i], window.variance[y][x]);
-                    const bool is_alike = window.taken[y][x] == window.taken[row + 1][i + 1];
-                    moves[i] += is_alike ? window.moves[y][x] : 0;
-                    movers[i] += is_alike ? 1 : 0;
-                }
-        for (std::size_t i = 0; i < block_size; ++i) {
-            const double count = window.count[row + 1][i + 1];
-            const Colour colour{window.r[row + 1][i + 1], window.g[row + 1][i + 1], window.b[row + 1][i + 1]};
-            const double own = error_from_spread(std::sqrt(window.variance[row + 1][i + 1]), count);
-            const double around = error_from_around(std::sqrt(variance[i]), std::sqrt(contrast[i] / 3), count);
-            const double change = window.taken[row + 1][i + 1] > first_samples ? std::sqrt(moves[i] / movers[i]) : 0;
-            const double error = std::max(std::max(own, around), change) / brightness_scale(colour);
-            errors[row * block_size + i] = count > 0 ? error : infinity;
-        }
+        const std::span<double, block_size> errors_of_row = std::span(errors).subspan(row * block_size).first<block_size>();
+        if (window.has_samples) estimate_by_samples(window, row, first_samples, errors_of_row);
+        if (by_middles) estimate_by_middles(window, row, errors_of_row);
+    }
+}
+
+// A pixel's own spread counts among those around it, too: of two samples or more, its own error by it is greater anyway.
+void PixelField::estimate_by_samples(const Window& window, std::size_t row, std::uint32_t first_samples,
+                                     std::span<double, block_size> errors) {
+    const Row moves = window.has_moved ? mean_moves(window, row) : Row{};
+    for (std::size_t i = 0; i < block_size; ++i) {
+        const double count = window.count[row + 1][i + 1], own_variance = window.variance[row + 1][i + 1];
+        const Colour colour{window.r[row + 1][i + 1], window.g[row + 1][i + 1], window.b[row + 1][i + 1]};
+        double variance = 0, contrast = 0;  // the greatest squares
+        for_each_around([&](std::size_t y, std::size_t x) {
+            const double r = colour.r - window.r[row + y][i + x];
+            const double g = colour.g - window.g[row + y][i + x];
+            const double b = colour.b - window.b[row + y][i + x];
+            contrast = std::max(contrast, r * r + g * g + b * b);
+            variance = std::max(variance, window.variance[row + y][i + x]);
+        });
+        const double own = error_from_spread(std::sqrt(own_variance), count);
+        const double around = error_from_around(std::sqrt(variance), std::sqrt(contrast / 3), count);
+        const double change = window.taken[row + 1][i + 1] > first_samples ? std::sqrt(moves[i]) : 0;
+        const double error = std::max(std::max(own, around), change) / brightness_scale(colour);
+        errors[i] = count > 0 ? error : infinity;
+    }
+}
+
+// Over those around each pixel that have taken as many samples.
+PixelField::Row PixelField::mean_moves(const Window& window, std::size_t row) {
+    Row mean;
+    for (std::size_t i = 0; i < block_size; ++i) {
+        double moves = 0, movers = 0;
+        for_each_around([&](std::size_t y, std::size_t x) {
+            const bool is_alike = window.taken[row + y][i + x] == window.taken[row + 1][i + 1];
+            moves += is_alike ? window.moves[row + y][i + x] : 0;
+            movers += is_alike ? 1 : 0;
+        });
+        mean[i] = moves / movers;
+    }
+    return mean;
+}
+
+// Where a pixel's middle is all that is known. It may differ from what lies half way between its neighbours on opposite sides; in
+// the place of those that are not there stands the pixel itself.
+void PixelField::estimate_by_middles(const Window& window, std::size_t row, std::span<double, block_size> errors) {
+    const auto bend = [](double here, double before, double behind) {
+        return here - 0.5 * ((std::isnan(before) ? here : before) + (std::isnan(behind) ? here : behind));
+    };
+    for (std::size_t i = 0; i < block_size; ++i) {
+        const double count = window.count[row + 1][i + 1];
+        const Colour colour{window.r[row + 1][i + 1], window.g[row + 1][i + 1], window.b[row + 1][i + 1]};
+        double variance = 0, greatest_bend = 0;  // the greatest squares
+        for_each_around([&](std::size_t y, std::size_t x) {
+            if (3 * y + x >= 4) return;
+            const double r = bend(colour.r, window.r[row + y][i + x], window.r[row + 2 - y][i + 2 - x]);
+            const double g = bend(colour.g, window.g[row + y][i + x], window.g[row + 2 - y][i + 2 - x]);
+            const double b = bend(colour.b, window.b[row + y][i + x], window.b[row + 2 - y][i + 2 - x]);
+            greatest_bend = std::max(greatest_bend, r * r + g * g + b * b);
+        });
+        for_each_around([&](std::size_t y, std::size_t x) { variance = std::max(variance, window.variance[row + y][i + x]); });
+        const double error = error_from_middle(std::sqrt(greatest_bend / 3), std::sqrt(variance)) / brightness_scale(colour);
+        const double of_middle = count > 0 ? error : infinity;
+        errors[i] = window.taken[row + 1][i + 1] > 0 ? errors[i] : of_middle;
     }
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "kernel/render/pixel_estimate.h"
@@ -21,6 +22,14 @@ struct Pixel {
     double moves = no_moves;                               // of its colour, as remembered_moves() keeps them
     float error = std::numeric_limits<float>::infinity();  // as estimated last
     std::uint32_t taken = 0;                               // samples traced, also those that were not finite
+    std::uint32_t middles = 0;                             // 1 where the middle was traced, all there is before the samples
+
+    void keep_middle(const Colour& colour) {
+        estimate.add(colour);
+        middles = 1;
+    }
+    std::uint32_t rays() const { return taken + middles; }
+    bool has_only_middle() const { return middles > 0 && taken == 0; }
 };
 
 class PixelField {
@@ -46,14 +55,23 @@ public:
         return negative_.empty() ? pixels_[index].estimate.mean() : colour_without_negative(index);
     }
 
-    // By the three witnesses of pixel_estimate.h. The `first_samples` of a pixel cannot have moved its colour.
-    void estimate_errors(PixelPlace block, std::uint32_t first_samples, BlockErrors& errors) const;
+    // Whether some pixel of a block, or beside it, has samples.
+    bool has_samples_around(PixelPlace block) const;
+
+    // By the witnesses of pixel_estimate.h. The `first_samples` of a pixel cannot have moved its colour.
+    // Errors of pixels known by their middles are told on demand only.
+    void estimate_errors(PixelPlace block, std::uint32_t first_samples, bool by_middles, BlockErrors& errors) const;
 
 private:
     struct Window;
+    using Row = std::array<double, block_size>;
 
     Colour colour_without_negative(std::size_t index) const;
-    void look_around(PixelPlace block, Window& window) const;
+    void look_around(PixelPlace block, std::uint32_t first_samples, Window& window) const;
+    static void estimate_by_samples(const Window& window, std::size_t row, std::uint32_t first_samples,
+                                    std::span<double, block_size> errors);
+    static void estimate_by_middles(const Window& window, std::size_t row, std::span<double, block_size> errors);
+    static Row mean_moves(const Window& window, std::size_t row);
 
     PixelRegion area_;
     std::vector<Pixel> pixels_;

@@ -2,6 +2,7 @@
 #include "kernel/render/render.h"
 
 #include "kernel/math/standard_arithmetic.h"
+#include "kernel/prepare/world.h"
 #include "kernel/render/passes.h"
 
 namespace lapidary {
@@ -37,7 +38,9 @@ RenderReport render(const World& world, const Scene& scene, Frame& frame, const 
     const auto make_integrand = [&] {
         return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options);
     };
-    return render_passes(make_integrand, camera, filter, plan_sampling(scene, options), frame, options);
+    SamplingPlan plan = plan_sampling(scene, options);
+    plan.lights_are_sampled = world.features.extended_lights;
+    return render_passes(make_integrand, camera, filter, plan, frame, options);
 }
 
 }  // namespace lapidary

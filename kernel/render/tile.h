@@ -73,6 +73,13 @@ public:
         return std::ranges::all_of(blocks_, [](std::uint64_t block) { return block == 0; });
     }
 
+    // Adds all pixels of the blocks of which `is_wanted(first)` says so.
+    template <typename Test>
+    void add_blocks(const PixelRegion& part, Test&& is_wanted) {
+        for (std::size_t i = 0; i < blocks_of_tile; ++i)
+            if (within(part, first_of(i, part)) != 0 && is_wanted(first_of(i, part))) blocks_[i] = ~std::uint64_t{0};
+    }
+
     // Takes the pixels out of the set that lie in a part of the tile and of which `is_of_no_more_interest(place, index)` says so,
     // with the index in the block row by row. Calls `begin(first)` before it comes to the first pixel of a block, with the
     // block's top left.

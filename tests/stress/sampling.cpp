@@ -79,7 +79,7 @@ TEST_CASE("the error falls as fast as edges allow, and adaptive sampling keeps i
         INFO((soft_shadow ? "soft shadow" : "edges") << ": exponent " << uniform.exponent(4, 256));
         CHECK(uniform.exponent(4, 256) >= exponent);
 
-        for (const double tolerance : {0.03, 0.01}) {
+        for (const double tolerance : {0.1, 0.03, 0.01}) {
             Frame frame = picture.frame();
             SamplingPlan plan;
             plan.error = tolerance;

@@ -36,12 +36,13 @@ struct StandInPicture {
 
     Frame frame(LayerSet layers = {}) const { return Frame(width, height, layers); }
 
-    RenderReport render(Frame& frame, const SamplingPlan& plan, const RenderOptions& options = {},
+    RenderReport render(Frame& frame, SamplingPlan plan, const RenderOptions& options = {},
                         const PixelFilter& filter = {RenderSettings::Filter::box, 0.5}) const {
         Camera description;
         description.projection = Camera::Projection::orthographic;
         description.screen_height = height;  // a pixel is a unit
         const CameraRays camera(description, width, height);
+        plan.lights_are_sampled = soft_shadow;
         return render_passes([this] { return std::make_unique<Rays>(*this); }, camera, filter, plan, frame, options);
     }
 

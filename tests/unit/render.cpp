@@ -73,7 +73,7 @@ IntegrandMaker integrand_of(Function function) {
 
 TEST_CASE("the same bits for any number of threads") {
     const StandInPicture picture;
-    for (const SamplingPlan& plan : {uniform(1), uniform(5), adaptive(0.02)}) {
+    for (const SamplingPlan& plan : {uniform(1), uniform(5), adaptive(0.02), adaptive(0.05)}) {
         Frame one = picture.frame(all_layers);
         RenderOptions options;
         options.threads = 1;
@@ -89,7 +89,7 @@ TEST_CASE("the same bits for any number of threads") {
 
 TEST_CASE("a region has the bits of the whole picture") {
     const StandInPicture picture;
-    for (const SamplingPlan& plan : {uniform(4), adaptive(0.02), adaptive(0.004)}) {
+    for (const SamplingPlan& plan : {uniform(4), adaptive(0.05), adaptive(0.02), adaptive(0.004)}) {
         Frame whole = picture.frame(all_layers);
         picture.render(whole, plan);
         for (const PixelRegion& region :
@@ -142,15 +142,17 @@ TEST_CASE("one ray a pixel goes through its centre") {
 
 TEST_CASE("layers beside colour come from the pixel's centre") {
     const StandInPicture picture;
-    Frame frame = picture.frame(all_layers);
-    picture.render(frame, adaptive(0.02));
-    for (int x = 0; x < picture.width; ++x) {
-        CHECK(frame.pixel(Layer::position, x, 40)[0] == x + 0.5f);
-        CHECK(frame.pixel(Layer::object, x, 40)[0] == x + 1);
+    for (const double error : {0.02, 0.05}) {
+        Frame frame = picture.frame(all_layers);
+        picture.render(frame, adaptive(error));
+        for (int x = 0; x < picture.width; ++x) {
+            CHECK(frame.pixel(Layer::position, x, 40)[0] == x + 0.5f);
+            CHECK(frame.pixel(Layer::object, x, 40)[0] == x + 1);
+        }
     }
 }
 
-TEST_CASE("a flat picture takes the first samples only, for small errors twice as many, and is exact") {
+TEST_CASE("a flat picture takes the first samples only, twice as many for small errors, middles for large ones, and is exact") {
     Frame frame(40, 30, {Layer::samples, Layer::error});
     const auto flat = integrand_of([](const Ray&) { return Colour{0.1, 0.2, 0.7}; });
     struct Case {
@@ -161,7 +163,9 @@ TEST_CASE("a flat picture takes the first samples only, for small errors twice a
     for (const auto& [filter, error, samples] : {Case{RenderSettings::Filter::box, 0.004, 8},
                                                  {RenderSettings::Filter::gaussian, 0.004, 8},
                                                  {RenderSettings::Filter::mitchell, 0.004, 16},
-                                                 {RenderSettings::Filter::box, 0.01, 2}}) {
+                                                 {RenderSettings::Filter::box, 0.01, 2},
+                                                 {RenderSettings::Filter::gaussian, 0.05, 2},
+                                                 {RenderSettings::Filter::box, 0.05, 1}}) {
         const RenderReport report =
             render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), adaptive(error), frame, {});
         CHECK(report.samples == report.pixels * samples);
@@ -324,7 +328,7 @@ TEST_CASE("a time limit that is not reached changes nothing") {
 
 TEST_CASE("finished pixels are counted once each, tiles are announced one at a time") {
     const StandInPicture picture;
-    for (const SamplingPlan& plan : {uniform(3), adaptive(0.02)}) {
+    for (const SamplingPlan& plan : {uniform(3), adaptive(0.02), adaptive(0.05)}) {
         Frame frame = picture.frame();
         std::size_t finished = 0;
         double progress = 0;
