@@ -79,8 +79,8 @@ Block* find_by_name(Items& items, std::string_view name) {
         Block* const block = as_block(item);
         if (!block) continue;
         if (block->name == name) return block;
-        for (Items& branch : block->branches)
-            if (Block* const found = find_by_name(branch, name)) return found;
+        for (Branch& branch : block->branches)
+            if (Block* const found = find_by_name(branch.items, name)) return found;
     }
     return nullptr;
 }
@@ -89,8 +89,7 @@ Block& add_block(Items& items, const std::string& keyword, const Place& place) {
     auto block = std::make_unique<Block>();
     block->keyword = keyword;
     block->place = place;
-    block->branches.emplace_back();
-    block->branch_places.push_back(place);
+    block->branches.push_back({place, {}});
     return *std::get<std::unique_ptr<Block>>(items.emplace_back(std::move(block)));
 }
 
@@ -101,7 +100,7 @@ Items& find_target(const std::vector<std::string>& path, Document& document, con
         Block* block = find_by_keyword(*items, word);
         if (!block) block = find_by_name(*items, word);
         if (!block) block = &add_block(*items, word, place);
-        items = &block->branches.front();
+        items = &block->branches.front().items;
     }
     return *items;
 }

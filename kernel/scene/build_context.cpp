@@ -12,7 +12,7 @@ void refuse_name(const Block& block, BuildContext& context) {
 
 void refuse_branches(const Block& block, BuildContext& context) {
     if (block.branches.size() > 1)
-        context.messages.error(block.branch_places.size() > 1 ? block.branch_places[1] : block.place,
+        context.messages.error(block.branches[1].place,
                                fmt::format("'{}' takes no `with`; CSG operations and textures do", block.keyword));
 }
 

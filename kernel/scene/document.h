@@ -40,14 +40,19 @@ struct Block;
 using Item = std::variant<Property, Reference, std::unique_ptr<Block>>;
 using Items = std::vector<Item>;
 
+// `{ … }`
+struct Branch {
+    Place place;  // of the `{`
+    Items items;
+};
+
 // `keyword [name] { … } [with { … }]…`
 struct Block {
     std::string keyword;
-    std::string name;             // empty: none
-    std::vector<Items> branches;  // at least one; more after each `with`
-    Place place;                  // of the keyword
+    std::string name;              // empty: none
+    std::vector<Branch> branches;  // at least one; more after each `with`
+    Place place;                   // of the keyword
     Place name_place;
-    std::vector<Place> branch_places;  // of each branch's `{`
 };
 
 struct Document {

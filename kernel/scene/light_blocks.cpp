@@ -22,7 +22,7 @@ public:
         const std::shared_ptr<Light> light = plugin_.create_light();
         PropertyReader properties(plugin_.schema(), dynamic_cast<void*>(light.get()), block_.keyword, context_);
         auto prototype = std::make_shared<LightPrototype>();
-        for (const Item& item : block_.branches.front()) {
+        for (const Item& item : block_.branches.front().items) {
             if (const auto* property = std::get_if<Property>(&item))
                 read_property(*property, properties);
             else if (const auto* reference = std::get_if<Reference>(&item))
@@ -106,7 +106,7 @@ public:
     explicit LightsReader(BuildContext& context) : context_(context) {}
 
     void read(const Block& block, std::vector<SceneLight>& lights) {
-        for (const Item& item : block.branches.front()) {
+        for (const Item& item : block.branches.front().items) {
             if (const auto* property = std::get_if<Property>(&item))
                 context_.vocabulary.report_property(*property, block.keyword, {});
             else if (const auto* reference = std::get_if<Reference>(&item))

@@ -138,7 +138,7 @@ private:
         bool failed = false;
         for (std::size_t i = 0; i < block_.branches.size(); ++i) {
             TextureItems items;
-            read_items(block_.branches[i], reader, items);
+            read_items(block_.branches[i].items, reader, items);
             failed = failed || items.failed;
             place_branch(items, i, *scene_material);
         }
@@ -196,7 +196,7 @@ private:
     void place_branch(TextureItems& items, std::size_t branch, SceneMaterial& scene_material) {
         const bool whole = block_.branches.size() == 1;
         if (whole) scene_material.factors = items.factors;
-        const Place& place = branch < block_.branch_places.size() ? block_.branch_places[branch] : block_.place;
+        const Place& place = block_.branches[branch].place;
         for (SceneMaterialPtr& child : items.children) {
             if (!whole && !items.factors.empty()) child = wrap(std::move(child), items.factors, {}, place, context_);
             if (child) scene_material.children.push_back(std::move(child));
@@ -257,7 +257,7 @@ SceneMaterialPtr read_material_block(const Block& block, BuildContext& context) 
     refuse_branches(block, context);
     TextureItems items;
     TextureItemReader reader(context);
-    for (const Item& item : block.branches.front()) {
+    for (const Item& item : block.branches.front().items) {
         if (const auto* property = std::get_if<Property>(&item)) {
             items.failed = true;
             context.messages.error(

@@ -65,7 +65,7 @@ void NameTable::collect_definitions(const Items& items) {
         for (const Item& item : *next)
             if (const auto* block = std::get_if<std::unique_ptr<Block>>(&item)) {
                 if (!(*block)->name.empty()) defined_anywhere_.emplace((*block)->name, (*block)->name_place);
-                for (const Items& branch : (*block)->branches) pending.push_back(&branch);
+                for (const Branch& branch : (*block)->branches) pending.push_back(&branch.items);
             }
     }
 }

@@ -225,7 +225,7 @@ public:
 private:
     // One block: its items are the operands.
     std::shared_ptr<SceneNode> build_group() {
-        Contents contents = read(block_.branches.front());
+        Contents contents = read(block_.branches.front().items);
         if (contents.failed) return nullptr;
         if (contents.operands.empty())
             context_.messages.warning(block_.place,
@@ -236,8 +236,8 @@ private:
     // `a with b with c`: the branches are the operands, (a op b) op c.
     std::shared_ptr<SceneNode> build_branches() {
         Contents all;
-        for (std::size_t i = 0; i < block_.branches.size(); ++i) {
-            if (SceneNodePtr operand = build_branch(i))
+        for (const Branch& branch : block_.branches) {
+            if (SceneNodePtr operand = build_branch(branch))
                 all.operands.push_back(std::move(operand));
             else
                 all.failed = true;
@@ -246,15 +246,14 @@ private:
     }
 
     // The union of what a branch holds. What stands alone in a branch stands for itself.
-    SceneNodePtr build_branch(std::size_t index) {
-        const Place& place = index < block_.branch_places.size() ? block_.branch_places[index] : block_.place;
-        Contents contents = read(block_.branches[index]);
+    SceneNodePtr build_branch(const Branch& branch) {
+        Contents contents = read(branch.items);
         if (contents.failed) return nullptr;
         if (contents.operands.empty())
-            context_.messages.warning(place,
+            context_.messages.warning(branch.place,
                                       fmt::format("this branch of '{}' holds no objects: it is the empty set", block_.keyword));
         if (contents.operands.size() == 1 && !contents.is_decorated()) return contents.operands.front();
-        return make_operation(Operation::union_, contents, place, context_);
+        return make_operation(Operation::union_, contents, branch.place, context_);
     }
 
     Contents read(const Items& items) {
@@ -276,7 +275,7 @@ std::shared_ptr<SceneNode> read_leaf(const Block& block, const Plugin& plugin, B
     const std::shared_ptr<Object> object = plugin.create_object();
     PropertyReader properties(plugin.schema(), dynamic_cast<void*>(object.get()), block.keyword, context);
     Contents contents;
-    ContentsReader(block.keyword, properties, contents, context).read(block.branches.front());
+    ContentsReader(block.keyword, properties, contents, context).read(block.branches.front().items);
     if (!properties.finish(block.place) || contents.failed) return nullptr;
 
     auto node = std::make_shared<SceneNode>();

@@ -23,7 +23,7 @@ template <class OnBlock>
 void read_settings(const Block& block, PropertyReader& reader, BuildContext& context, OnBlock on_block) {
     refuse_name(block, context);
     refuse_branches(block, context);
-    for (const Item& item : block.branches.front()) {
+    for (const Item& item : block.branches.front().items) {
         if (const auto* property = std::get_if<Property>(&item)) {
             if (!reader.read(*property)) context.vocabulary.report_property(*property, block.keyword, reader.known());
         } else if (const auto* reference = std::get_if<Reference>(&item)) {

@@ -77,7 +77,7 @@ public:
         const NestingGuard guard(context_, block);
         if (guard.too_deep()) return fail();
         refuse_branches(block, context_);
-        for (const Item& item : block.branches.front()) {
+        for (const Item& item : block.branches.front().items) {
             if (const auto* property = std::get_if<Property>(&item))
                 read_factor(*property, factors);
             else if (const auto* reference = std::get_if<Reference>(&item))

@@ -152,8 +152,7 @@ void Parser::parse_block(Items& items, const Token& keyword, const Token* name) 
 void Parser::parse_branch(Block& block, std::string_view what) {
     const Place opened = lexer_.place();
     lexer_.take();
-    block.branch_places.push_back(opened);
-    parse_items(block.branches.emplace_back(), true);
+    parse_items(block.branches.emplace_back(Branch{opened, {}}).items, true);
     close_block(what, opened);
 }
 

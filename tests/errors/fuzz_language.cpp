@@ -130,7 +130,7 @@ std::size_t count(const Items& items) {
     std::size_t n = items.size();
     for (const Item& item : items)
         if (const auto* block = std::get_if<std::unique_ptr<Block>>(&item))
-            for (const Items& branch : (*block)->branches) n += count(branch);
+            for (const Branch& branch : (*block)->branches) n += count(branch.items);
     return n;
 }
 
@@ -149,8 +149,10 @@ void check(const Items& items) {
         } else if (const auto* block = std::get_if<std::unique_ptr<Block>>(&item)) {
             check((*block)->place);
             REQUIRE_FALSE((*block)->branches.empty());
-            REQUIRE((*block)->branches.size() == (*block)->branch_places.size());
-            for (const Items& branch : (*block)->branches) check(branch);
+            for (const Branch& branch : (*block)->branches) {
+                check(branch.place);
+                check(branch.items);
+            }
         }
     }
 }

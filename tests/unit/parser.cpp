@@ -44,7 +44,7 @@ void print(const std::unique_ptr<Block>& block, std::ostream& out) {
     out << block->keyword << (block->name.empty() ? "" : " ") << block->name;
     for (std::size_t i = 0; i < block->branches.size(); ++i) {
         out << (i > 0 ? "with{" : "{");
-        print(block->branches[i], out);
+        print(block->branches[i].items, out);
         out << '}';
     }
 }
@@ -104,9 +104,9 @@ TEST_CASE("Items know their places", "[parser]") {
     const Block& block = *std::get<std::unique_ptr<Block>>(document.items.at(0));
     CHECK(at(block.place) == Pair(2, 2));
     CHECK(at(block.name_place) == Pair(2, 8));
-    CHECK(at(block.branch_places.at(0)) == Pair(2, 13));
-    CHECK(at(block.branch_places.at(1)) == Pair(3, 8));
-    CHECK(at(std::get<Reference>(block.branches.at(1).at(0)).place) == Pair(3, 10));
+    CHECK(at(block.branches.at(0).place) == Pair(2, 13));
+    CHECK(at(block.branches.at(1).place) == Pair(3, 8));
+    CHECK(at(std::get<Reference>(block.branches.at(1).items.at(0)).place) == Pair(3, 10));
     const Property& property = std::get<Property>(document.items.at(1));
     CHECK(at(property.place) == Pair(5, 5));
     CHECK(at(property.values.at(0).place) == Pair(5, 8));
