@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "kernel/render/pixel_field.h"
+#include "kernel/render/sample_batch.h"
 
 namespace lapidary {
 
@@ -23,8 +24,6 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-// So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
-constexpr std::size_t most_rays = pixels_of_block;
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
@@ -59,30 +58,12 @@ void store(std::span<float> channels, double x, double y, double z) {
     channels[0] = to_float(x), channels[1] = to_float(y), channels[2] = to_float(z);
 }
 
-// Rays that wait to be traced together, and what each is for.
-struct Batch {
-    // Of each ray: the place of its pixel, the pixel, the number of its sample, and the estimate that its colour counts for.
-    // Where there is none, it goes through the middle and fills the other layers.
-    std::array<int, most_rays> x, y;
-    std::array<std::uint32_t, most_rays> number;
-    std::array<Pixel*, most_rays> pixel;
-    std::array<PixelEstimate*, most_rays> estimate;
-    std::size_t size = 0;
-    bool layers = false;  // some ray fills the other layers
-
-    std::array<CameraRays::Places, most_rays / batch_size> places;
-    std::array<RayPacket, most_rays / batch_size> rays;
-    std::array<RaySample, most_rays> samples;
-};
-
-bool is_in_block(PixelPlace place, const PixelRegion& block) { return place.x < block.width() && place.y < block.height(); }
-
 // What a thread has for itself.
 struct Worker {
     explicit Worker(std::unique_ptr<Integrand> i) : integrand(std::move(i)) {}
 
     std::unique_ptr<Integrand> integrand;
-    std::unique_ptr<Batch> batch = std::make_unique<Batch>();
+    std::unique_ptr<SampleBatch> batch = std::make_unique<SampleBatch>();
     std::vector<Pixel> tile;  // where pixels need no memory beyond their tile
     RenderReport report;      // of those
     struct Doubling {
@@ -99,17 +80,6 @@ double processor_time() {
     timespec time{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-// The middles of the pixels of a packet, and the keys of their first samples.
-void set_middles(std::span<const PixelPlace, batch_size> pixels, std::uint32_t sequence, CameraRays::Places& places) {
-    std::array<std::uint32_t, batch_size> x, y, key;
-    for (std::size_t i = 0; i < batch_size; ++i) {
-        x[i] = static_cast<std::uint32_t>(pixels[i].x), y[i] = static_cast<std::uint32_t>(pixels[i].y);
-        places.x.v[i] = pixels[i].x + 0.5, places.y.v[i] = pixels[i].y + 0.5;
-    }
-    for (std::size_t i = 0; i < batch_size; ++i) key[i] = pixel_key(x[i], y[i], sequence);
-    for (std::size_t i = 0; i < batch_size; ++i) places.key[i] = {key[i], 0};
 }
 
 bool is_coarse(const SamplingPlan& plan) { return plan.error >= least_coarse_error && !plan.refine_until_time_is_up; }
@@ -144,9 +114,6 @@ private:
     void write_middles(const PixelRegion& block, Worker& worker);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
-    std::optional<Beam> beam_of_batch(const Batch& batch, std::size_t size) const;
-    void place_batch(Batch& batch, std::size_t size);
-    void place_packet(Batch& batch, std::size_t packet);
     static bool spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
@@ -439,24 +406,14 @@ void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
 }
 
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
-    Batch& batch = *worker.batch;
+    SampleBatch& batch = *worker.batch;
     if (spare(camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5), pixel_count(block), worker)) {
         write_middles(block, worker);
         return;
     }
 
-    std::array<PixelPlace, most_rays> pixels;
-    std::size_t size = 0;
-    pixels.fill({block.x0, block.y0});
-    for (const PixelPlace& place : places_in_block)
-        if (is_in_block(place, block)) pixels[size++] = {block.x0 + place.x, block.y0 + place.y};
-
-    for (std::size_t begin = 0; begin < size; begin += batch_size) {
-        CameraRays::Places& places = batch.places[begin / batch_size];
-        set_middles(std::span(pixels).subspan(begin).first<batch_size>(), options_.sequence, places);
-        if (camera_.has_lens())
-            for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
-    }
+    const std::size_t size = batch.take_block(block);
+    batch.place_in_middles(size, camera_, options_.sequence);
     if (trace(worker, size, wants_layers_)) write_middles(block, worker);
 }
 
@@ -464,8 +421,8 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     const RaySample* sample = worker.batch->samples.data();
     for (const PixelPlace& place : places_in_block) {
-        if (!is_in_block(place, block)) continue;
         const PixelPlace pixel{block.x0 + place.x, block.y0 + place.y};
+        if (!is_in(pixel, block)) continue;
         const bool finite = is_finite(sample->colour);
         const Colour colour = finite ? sample->colour : Colour::black();
         worker.non_finite_samples += !finite;
@@ -488,19 +445,6 @@ void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
     worker.integrand->begin_tile(beam ? &*beam : nullptr);
 }
 
-std::optional<Beam> Passes::beam_of_batch(const Batch& batch, std::size_t size) const {
-    Lanes x0, x1, y0, y1;
-    x0.v.fill(infinity), y0.v.fill(infinity), x1.v.fill(-infinity), y1.v.fill(-infinity);
-    for (std::size_t p = 0; p * batch_size < size; ++p) {
-        const CameraRays::Places& places = batch.places[p];
-        for (int i = 0; i < batch_size; ++i) {
-            x0[i] = std::min(x0[i], places.x[i]), x1[i] = std::max(x1[i], places.x[i]);
-            y0[i] = std::min(y0[i], places.y[i]), y1[i] = std::max(y1[i], places.y[i]);
-        }
-    }
-    return camera_.beam(std::ranges::min(x0.v), std::ranges::min(y0.v), std::ranges::max(x1.v), std::ranges::max(y1.v));
-}
-
 // Begins a part of a tile. Where it is known what its rays bring back, that becomes the batch's first samples: no ray is sent.
 bool Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
     const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
@@ -512,88 +456,48 @@ bool Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& wo
 
 // The first places of a batch. False where that was cancelled: paths may have ended on their way.
 bool Passes::trace(Worker& worker, std::size_t size, bool layers) const {
-    Batch& batch = *worker.batch;
-    const std::size_t packets = (size + batch_size - 1) / batch_size;
-    for (std::size_t p = 0; p < packets; ++p)
-        camera_.rays(batch.places[p], static_cast<int>(std::min<std::size_t>(batch_size, size - p * batch_size)), batch.rays[p]);
-    worker.integrand->trace(std::span(batch.rays).first(packets), std::span(batch.samples).first(size), layers);
+    SampleBatch& batch = *worker.batch;
+    worker.integrand->trace(batch.rays_of(size, camera_), std::span(batch.samples).first(size), layers);
     return !is_cancelled();
 }
 
 void Passes::take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Worker& worker) {
-    Batch& batch = *worker.batch;
-    const auto add = [&](std::uint32_t number, PixelEstimate* estimate) {
-        const std::size_t i = batch.size++;
-        batch.x[i] = place.x, batch.y[i] = place.y;
-        batch.number[i] = number, batch.pixel[i] = &pixel, batch.estimate[i] = estimate;
-        if (batch.size == most_rays) flush(worker);
+    using Purpose = SampleBatch::Purpose;
+    SampleBatch& batch = *worker.batch;
+    const auto add = [&](std::uint32_t number, Purpose purpose) {
+        batch.add(place, number, &pixel, purpose);
+        if (batch.size == SampleBatch::most) flush(worker);
     };
     if (wants_layers_ && pixel.rays() == 0 && is_in(place, region_)) {
-        batch.layers = true;
-        add(0, nullptr);
+        batch.has_layers = true;
+        add(0, Purpose::layers);
     }
     for (std::uint32_t number = pixel.taken; number < goal; ++number) {
         if (batch.size == 0 && is_stopped()) return;
-        add(number, &pixel.estimate);
+        add(number, Purpose::colour);
     }
-}
-
-// Where the rays of a batch go through the picture and the lens.
-void Passes::place_batch(Batch& batch, std::size_t size) {
-    // Lanes without a ray repeat the last one.
-    for (std::size_t i = size; i % batch_size != 0; ++i)
-        batch.x[i] = batch.x[size - 1], batch.y[i] = batch.y[size - 1], batch.number[i] = batch.number[size - 1];
-    for (std::size_t p = 0; p * batch_size < size; ++p) place_packet(batch, p);
-    if (batch.layers)
-        for (std::size_t i = 0; i < size; ++i) {
-            if (batch.estimate[i]) continue;
-            CameraRays::Places& places = batch.places[i / batch_size];
-            const std::size_t lane = i % batch_size;
-            places.x.v[lane] = batch.x[i] + 0.5, places.y.v[lane] = batch.y[i] + 0.5, places.lens[lane] = {};
-        }
-}
-
-void Passes::place_packet(Batch& batch, std::size_t packet) {
-    using Numbers = std::array<std::uint32_t, batch_size>;
-    const std::size_t begin = packet * batch_size;
-    CameraRays::Places& places = batch.places[packet];
-    const std::uint32_t sequence = options_.sequence;
-    Numbers x, y, number, key;
-    for (std::size_t i = 0; i < batch_size; ++i) {
-        x[i] = static_cast<std::uint32_t>(batch.x[begin + i]), y[i] = static_cast<std::uint32_t>(batch.y[begin + i]);
-        number[i] = batch.number[begin + i];
-    }
-    std::array<SamplePair, batch_size> pairs;
-    for (std::size_t i = 0; i < batch_size; ++i) key[i] = pixel_key(x[i], y[i], sequence);
-    for (std::size_t i = 0; i < batch_size; ++i) pairs[i] = sample_pair({key[i], number[i]}, dimension_pair::pixel);
-    for (std::size_t i = 0; i < batch_size; ++i) places.key[i] = {key[i], number[i]};
-
-    for (std::size_t i = 0; i < batch_size; ++i) {
-        const PixelFilter::Placement at = filter_.place(pairs[i]);
-        places.x.v[i] = batch.x[begin + i] + 0.5 + at.x, places.y.v[i] = batch.y[begin + i] + 0.5 + at.y;
-        if (at.negative && batch.estimate[begin + i]) batch.estimate[begin + i] = &pixels_.negative_of(*batch.pixel[begin + i]);
-    }
-    if (camera_.has_lens())
-        for (std::size_t i = 0; i < batch_size; ++i) places.lens[i] = camera_.lens_point(places.key[i]);
 }
 
 void Passes::flush(Worker& worker) {
-    Batch& batch = *worker.batch;
+    using Purpose = SampleBatch::Purpose;
+    SampleBatch& batch = *worker.batch;
     const std::size_t size = std::exchange(batch.size, 0);
     if (size == 0 || is_stopped()) return;
-    place_batch(batch, size);
-    const bool layers = std::exchange(batch.layers, false);
-    if (!spare(beam_of_batch(batch, size), size, worker) && !trace(worker, size, layers)) return;
+    batch.place(size, camera_, filter_, options_.sequence);
+    const bool layers = std::exchange(batch.has_layers, false);
+    if (!spare(batch.beam(size, camera_), size, worker) && !trace(worker, size, layers)) return;
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
         const RaySample& sample = batch.samples[i];
-        if (PixelEstimate* const estimate = batch.estimate[i]) {
-            ++batch.pixel[i]->taken;
-            if (!estimate->add(sample.colour)) ++worker.non_finite_samples;
-        } else {
+        if (batch.purpose[i] == Purpose::layers) {
             write_layers({batch.x[i], batch.y[i]}, sample);
+            continue;
         }
+        Pixel& pixel = *batch.pixel[i];
+        ++pixel.taken;
+        PixelEstimate& estimate = batch.purpose[i] == Purpose::colour ? pixel.estimate : pixels_.negative_of(pixel);
+        if (!estimate.add(sample.colour)) ++worker.non_finite_samples;
     }
 }
 

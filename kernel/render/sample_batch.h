@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+//
+// Samples that wait to be traced together: which pixel each belongs to, where its ray goes through the picture and the lens, and
+// what it brings back.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "kernel/render/camera_rays.h"
+#include "kernel/render/filter.h"
+#include "kernel/render/pixel_field.h"
+#include "kernel/render/tile.h"
+#include "kernel/render/tracer.h"
+
+namespace lapidary {
+
+struct SampleBatch {
+    // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
+    static constexpr std::size_t most = pixels_of_block;
+
+    // What a ray is for: the colour of its pixel, the same in a negative lobe of the filter, or the layers beside it, which come
+    // from the pixel's middle.
+    enum class Purpose : std::uint8_t { colour, negative_colour, layers };
+
+    std::array<int, most> x, y;  // of the pixels
+    std::array<std::uint32_t, most> number;
+    std::array<Pixel*, most> pixel;
+    std::array<Purpose, most> purpose;
+    std::size_t size = 0;
+    bool has_layers = false;  // some ray is for them
+
+    std::array<CameraRays::Places, most / batch_size> places;
+    std::array<RayPacket, most / batch_size> rays;
+    std::array<RaySample, most> samples;
+
+    void add(PixelPlace place, std::uint32_t number_of_sample, Pixel* its_pixel, Purpose its_purpose) {
+        const std::size_t i = size++;
+        x[i] = place.x, y[i] = place.y;
+        number[i] = number_of_sample, pixel[i] = its_pixel, purpose[i] = its_purpose;
+    }
+
+    // The pixels of a block, in the order of places_in_block; how many they are.
+    std::size_t take_block(const PixelRegion& block);
+
+    // Each sets the places of the first `count` samples.
+    void place(std::size_t count, const CameraRays& camera, const PixelFilter& filter, std::uint32_t sequence);
+    void place_in_middles(std::size_t count, const CameraRays& camera, std::uint32_t sequence);
+
+    // What holds the rays of those places, and the rays.
+    std::optional<Beam> beam(std::size_t count, const CameraRays& camera) const;
+    std::span<const RayPacket> rays_of(std::size_t count, const CameraRays& camera);
+
+private:
+    void repeat_last(std::size_t count);
+    void set_keys(std::size_t packet, const CameraRays& camera, std::uint32_t sequence);
+    void place_packet(std::size_t packet, const PixelFilter& filter);
+};
+
+}  // namespace lapidary
