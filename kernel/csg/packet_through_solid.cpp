@@ -160,6 +160,16 @@ void turn_over(Lanes& __restrict in, Lanes& __restrict out) {
     }
 }
 
+// From the least to the greatest.
+PacketThroughSolid::NumberRange range_of(const std::array<std::int32_t, PacketThroughSolid::width>& numbers) {
+    PacketThroughSolid::NumberRange range{numbers[0], numbers[0]};
+    for (const std::int32_t number : numbers) {
+        range.first = number < range.first ? number : range.first;
+        range.last = number > range.last ? number : range.last;
+    }
+    return range;
+}
+
 }  // namespace
 
 PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& statistics)
@@ -175,17 +185,12 @@ void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
     placed_leaf_ = -1;
     find_origins(rays, origins_);
-    first_departed_ = first_departed_class_ = 0;
-    last_departed_ = last_departed_class_ = -1;
+    departed_leaves_ = departed_classes_ = {};
+    depart_alike_ = false;
     if (!rays.departs) return;
-    first_departed_ = last_departed_ = rays.departure[0].leaf;
-    first_departed_class_ = last_departed_class_ = rays.departure[0].surface_class;
-    for (const Departure& departure : rays.departure) {
-        first_departed_ = std::min(first_departed_, departure.leaf);
-        last_departed_ = std::max(last_departed_, departure.leaf);
-        first_departed_class_ = std::min(first_departed_class_, departure.surface_class);
-        last_departed_class_ = std::max(last_departed_class_, departure.surface_class);
-    }
+    departed_leaves_ = range_of(rays.departure.leaf);
+    departed_classes_ = range_of(rays.departure.surface_class);
+    depart_alike_ = departed_leaves_.is_one() && departed_classes_.is_one() && range_of(rays.departure.inward).is_one();
 }
 
 void PacketThroughSolid::find_origins(const RayPacket& __restrict rays, Origins& __restrict origins) {
@@ -234,16 +239,30 @@ void PacketThroughSolid::cross_sheet(std::int32_t leaf, Lanes& t) {
 // Whether every ray departs outward from a leaf that the solid lies inside of: as leaves of a product are met in one piece, it
 // does not come back. So most shadow rays are done with the solid that they start on.
 bool PacketThroughSolid::all_leave(const Solid& solid, const Lanes& limit) const {
-    if (last_departed_ < solid.first_leaf || first_departed_ >= solid.first_leaf + solid.leaf_count) return false;
-    const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
-    for (int i = 0; i < width; ++i) {
-        if (!(limit[i] >= 0)) continue;
-        const Departure& departure = rays_->departure[static_cast<std::size_t>(i)];
-        const bool leaves = departure.leaf >= solid.first_leaf && departure.leaf < first_negative && !departure.inward &&
-                            world_.leaves[departure.leaf].first_surface < 0;
-        if (!leaves) return false;
-    }
+    if (departed_leaves_.last < solid.first_leaf || departed_leaves_.first >= solid.first_leaf + solid.leaf_count) return false;
+    if (depart_alike_) return leaves_for_good(rays_->departure[0], solid);
+    for (int i = 0; i < width; ++i)
+        if (limit[i] >= 0 && !leaves_for_good(rays_->departure[i], solid)) return false;
     return true;
+}
+
+bool PacketThroughSolid::leaves_for_good(const Departure& departure, const Solid& solid) const {
+    if (departure.leaf < solid.first_leaf || departure.leaf >= solid.first_leaf + solid.positive_count) return false;
+    const Leaf& leaf = world_.leaves[departure.leaf];
+    if (leaf.first_surface < 0) return !departure.inward;
+    for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
+        const SurfaceUse& use = world_.surface_uses[leaf.first_surface + s];
+        if (use.surface_class == departure.surface_class) return departure.inward == use.flipped && is_convex(use);
+    }
+    return false;
+}
+
+// Whether the side of a surface that a leaf lies on is convex.
+bool PacketThroughSolid::is_convex(const SurfaceUse& use) const {
+    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+    if (surface_class.whole) return false;
+    const Surface::Kind kind = surface_class.surface.kind;
+    return kind == Surface::Kind::plane || (!use.flipped && (kind == Surface::Kind::sphere || kind == Surface::Kind::cylinder));
 }
 
 void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
@@ -377,7 +396,7 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
         return;
     }
     own_spans(leaf, in, out);
-    if (first_departed_ <= index && index <= last_departed_) remove_departures(in, out, index, -1);
+    if (departed_leaves_.has(index)) remove_departures(in, out, index, -1);
     if (has_near_ends(in, out, placed_.anchor))
         find_near_ends_of_lanes(
             leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
@@ -435,8 +454,7 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
         tube_spans(frame, surface_class.surface.a, in, out);
     else
         own_spans(frame, in, out);
-    if (first_departed_class_ <= use.surface_class && use.surface_class <= last_departed_class_)
-        remove_departures(in, out, -1, use.surface_class);
+    if (departed_classes_.has(use.surface_class)) remove_departures(in, out, -1, use.surface_class);
     if (!surface_class.whole && has_near_ends(in, out, placed_.anchor))
         find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
 }
@@ -456,9 +474,9 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
     const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
     const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
     find_plane_ends(placed_, plane, side_of_shift, in, out);
-    if (first_departed_class_ <= use.surface_class && use.surface_class <= last_departed_class_)
+    if (departed_classes_.has(use.surface_class))
         for (int i = 0; i < width; ++i) {
-            const Departure& departure = rays_->departure[i];
+            const Departure departure = rays_->departure[i];
             if (!departs_from_class(departure)) continue;
             in[i] = departure.inward ? 0 : -infinity;
             out[i] = departure.inward ? infinity : 0;
@@ -469,7 +487,7 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
 
 void PacketThroughSolid::remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const {
     for (int i = 0; i < rays_->count; ++i) {
-        const Departure& departure = rays_->departure[i];
+        const Departure departure = rays_->departure[i];
         const bool departs = surface_class >= 0 ? departure.surface_class == surface_class : departure.leaf == leaf;
         if (!departs || !(in[i] <= out[i])) continue;
         Span span{in[i], out[i]};

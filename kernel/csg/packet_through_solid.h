@@ -27,6 +27,12 @@ class LAPIDARY_API PacketThroughSolid {
 public:
     static constexpr int width = batch_size;
     using LeafLanes = std::array<std::int64_t, width>;  // as wide as doubles, next to which they are chosen
+    // Some numbers, by bounds that all of them lie between.
+    struct NumberRange {
+        std::int32_t first = 0, last = -1;  // none
+        bool has(std::int32_t number) const { return first <= number && number <= last; }
+        bool is_one() const { return first == last; }
+    };
 
     PacketThroughSolid(const World& world, TraceStatistics& statistics);
 
@@ -72,6 +78,8 @@ private:
     };
 
     bool all_leave(const Solid& solid, const Lanes& limit) const;
+    bool leaves_for_good(const Departure& departure, const Solid& solid) const;
+    bool is_convex(const SurfaceUse& use) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
@@ -113,8 +121,8 @@ private:
     LineThroughSolid line_;
 
     const RayPacket* rays_ = nullptr;
-    std::int32_t first_departed_ = 0, last_departed_ = -1;              // all leaves that lanes depart from lie between
-    std::int32_t first_departed_class_ = 0, last_departed_class_ = -1;  // and all classes of surfaces
+    NumberRange departed_leaves_, departed_classes_;  // what lanes depart from
+    bool depart_alike_ = false;                       // all of them from one face, to the same side
     Origins origins_;
 
     std::int32_t placed_leaf_ = -1;

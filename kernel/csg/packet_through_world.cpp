@@ -153,6 +153,7 @@ void PacketThroughWorld::for_each_solid(const BeamThroughWorld* beam, Visit visi
         walk<order>(visit);
         return;
     }
+    if (beam->solids().empty()) return;
     if (beam->solids().size() == 1) {  // most rays that lie near one solid only meet its box
         visit(beam->solids().front().solid);
         return;
@@ -220,7 +221,7 @@ void PacketThroughWorld::meet_solid(std::int32_t index, BoundaryPacket& boundari
         if (t[i] == 0) {  // the way out is what is met
             t[i] = solid_.leave(solid, i), leaf[i] = -1;
             boundaries.starts_inside |= 1u << i;
-            count_start_inside(packet_->departure[static_cast<std::size_t>(i)], statistics_);
+            count_start_inside(packet_->departure[i], statistics_);
         }
 
     if (take_closer(t, leaf, index, boundaries, limits_) > 0) set_limits();
@@ -260,7 +261,7 @@ unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distanc
         if (hits == 0) return;
         for (int i = 0; i < rays.count; ++i) {
             if (!(t[i] < limits_[i])) continue;
-            if (t[i] == 0) count_start_inside(rays.departure[static_cast<std::size_t>(i)], statistics_);
+            if (t[i] == 0) count_start_inside(rays.departure[i], statistics_);
             blocked |= 1u << i, limits_[i] = -1;
         }
         set_limits();
@@ -274,6 +275,7 @@ unsigned PacketThroughWorld::blocked_by_sheets(const Lanes& distances, unsigned 
     if (world_.sheets.empty()) return blocked;
     for (unsigned rest = among & packet_->lanes(); rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
+        if (!(distances[i] >= 0)) continue;
         single_.start(packet_->ray(i));
         for (const Sheet& sheet : world_.sheets)
             if (single_.is_blocked_by(sheet, distances[i])) blocked |= 1u << i;

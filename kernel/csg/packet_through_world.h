@@ -29,7 +29,7 @@ public:
     // The lines of the last packet of rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf) { return solid_.placed_lines(leaf); }
 
-    // Whether anything lies between each ray's start and its distance: bit i for ray i.
+    // Whether anything lies between each ray's start and its distance: bit i for ray i. Rays with a distance below 0 are left out.
     unsigned blocked(const RayPacket& rays, const Lanes& distances);
 
     // The same for a World with transparent matter: the first change of what a ray is in, behind `from` and not beyond its limit.

@@ -32,13 +32,30 @@ struct VectorLanes {
     }
 };
 
+// What each ray departs from.
+struct alignas(64) DepartureLanes {
+    std::array<std::int32_t, batch_size> leaf, surface_class, inward, cell;
+
+    Departure operator[](int lane) const {
+        const auto i = static_cast<std::size_t>(lane);
+        return {leaf[i], surface_class[i], inward[i] != 0, cell[i]};
+    }
+    void set(int lane, const Departure& d) {
+        const auto i = static_cast<std::size_t>(lane);
+        leaf[i] = d.leaf, surface_class[i] = d.surface_class, inward[i] = d.inward ? 1 : 0, cell[i] = d.cell;
+    }
+    void fill(const Departure& d) {
+        leaf.fill(d.leaf), surface_class.fill(d.surface_class), inward.fill(d.inward ? 1 : 0), cell.fill(d.cell);
+    }
+};
+
 struct RayPacket {
     static constexpr int width = batch_size;
 
     int count = 0;         // the first lanes hold rays
     bool departs = false;  // some lane departs from a surface
     VectorLanes anchor, offset, direction;
-    std::array<Departure, width> departure;
+    DepartureLanes departure;
     std::array<SampleKey, width> key;
 
     void clear() { count = 0, departs = false; }
@@ -48,7 +65,7 @@ struct RayPacket {
     void add(const Ray& ray) {
         const int lane = count++;
         anchor.set(lane, ray.origin.anchor), offset.set(lane, ray.origin.offset), direction.set(lane, ray.direction);
-        departure[static_cast<std::size_t>(lane)] = ray.departure;
+        departure.set(lane, ray.departure);
         key[static_cast<std::size_t>(lane)] = ray.key;
         departs |= ray.departure.leaf >= 0 || ray.departure.surface_class >= 0;
     }
@@ -56,7 +73,7 @@ struct RayPacket {
     Ray ray(int lane) const {
         return {{to_point(anchor[lane]), offset[lane]},
                 direction[lane],
-                departure[static_cast<std::size_t>(lane)],
+                departure[lane],
                 key[static_cast<std::size_t>(lane)]};
     }
 
@@ -64,7 +81,7 @@ struct RayPacket {
     void fill_up() {
         for (int lane = count; lane < width; ++lane) {
             anchor.set(lane, anchor[0]), offset.set(lane, offset[0]), direction.set(lane, direction[0]);
-            departure[static_cast<std::size_t>(lane)] = departure[0];
+            departure.set(lane, departure[0]);
             key[static_cast<std::size_t>(lane)] = key[0];
         }
     }

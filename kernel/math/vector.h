@@ -86,13 +86,17 @@ double largest_magnitude(const Triple& t) {
     return larger > z ? larger : z;
 }
 
-// The power of two that brings a positive size to about 1; multiplying by it rounds nothing. Read off the exponent's bits:
-// without a branch, so that a loop over lanes stays vector instructions.
-inline double scale_to_one(double size) {
-    constexpr std::uint64_t largest_exponent = 2045;  // as it stands in the bits; keeps the inverse's above 0
-    const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(size) >> 52) & 2047;
-    return std::bit_cast<double>((2046 - (exponent < largest_exponent ? exponent : largest_exponent)) << 52);
+// The exponent of a positive size as it stands in a double's bits; kept away from where its inverse's would leave them. Without a
+// branch, so that a loop over lanes stays vector instructions.
+inline std::int64_t exponent_bits(double size) {
+    constexpr std::int64_t smallest = 1, largest = 2045;
+    const std::int64_t exponent = (std::bit_cast<std::int64_t>(size) >> 52) & 2047;
+    const std::int64_t not_small = exponent > smallest ? exponent : smallest;
+    return not_small < largest ? not_small : largest;
 }
+// The power of two that brings a positive size to about 1, and the one that brings it back. Multiplying by them rounds nothing.
+inline double scale_to_one(double size) { return std::bit_cast<double>((2046 - exponent_bits(size)) << 52); }
+inline double scale_from_one(double size) { return std::bit_cast<double>(exponent_bits(size) << 52); }
 
 // The unit vector along v. Scaled by a power of two first, so that neither 1e-300 nor 1e300 is lost;
 // the zero vector stays zero, and so does what is not finite.
@@ -106,5 +110,23 @@ inline Vector normalize(const Vector& v) {
 }
 
 inline Normal normalize(const Normal& n) { return Normal(normalize(to_vector(n))); }
+
+// A vector as where it points to and how long it is. With one division in place of normalize()'s three: what matters where it is
+// asked for each ray. The direction may be an ulp longer or shorter than a unit vector, also along an axis.
+struct Heading {
+    Vector direction;  // of the zero vector and of what is not finite: zero
+    double distance;
+    double inverse_distance;  // infinite for the zero vector
+};
+
+inline Heading heading_along(const Vector& v) {
+    const double largest = largest_magnitude(v), scale = scale_to_one(largest);
+    const Vector scaled = scale * v;
+    const double distance = length(scaled), inverse = 1 / distance;
+    const bool has_direction = largest > 0 && distance < infinity;
+    return {{has_direction ? inverse * scaled.x : 0, has_direction ? inverse * scaled.y : 0, has_direction ? inverse * scaled.z : 0},
+            distance * scale_from_one(largest),
+            inverse * scale};
+}
 
 }  // namespace lapidary

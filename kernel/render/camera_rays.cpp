@@ -74,7 +74,7 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
         ray.origin.offset = ray.origin.offset + offset;
         ray.direction = focus_ * ray.direction - offset;
     }
-    ray.direction = normalize(ray.direction);
+    ray.direction = heading_along(ray.direction).direction;
     return ray;
 }
 
@@ -82,7 +82,7 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
 void CameraRays::rays_through_pinhole(const Places& __restrict places, RayPacket& __restrict packet) const {
     const View view = view_;
     VectorLanes& direction = packet.direction;
-    for (int i = 0; i < batch_size; ++i) direction.set(i, normalize(view.forward + view.aside(places.x[i], places.y[i])));
+    for (int i = 0; i < batch_size; ++i) direction.set(i, heading_along(view.forward + view.aside(places.x[i], places.y[i])).direction);
     for (int i = 0; i < batch_size; ++i) packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
 }
 

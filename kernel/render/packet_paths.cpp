@@ -15,7 +15,8 @@ namespace lapidary {
 
 PacketPaths::Wave::Wave(bool through_matter) {
     const std::size_t size = through_matter ? longest_wave : wave_size;
-    rays.resize(size / width);
+    own_rays.resize(size / width);
+    rays = own_rays;
     paths.resize(size), colours.resize(size);
     if (!through_matter) return;
     stretches.resize(size / width), gathered.resize(size), passed.resize(size), lit.resize(size);
@@ -24,17 +25,17 @@ PacketPaths::Wave::Wave(bool through_matter) {
 
 void PacketPaths::Wave::clear() {
     count = 0;
-    for (RayPacket& packet : rays) packet.clear();
+    for (RayPacket& packet : own_rays) packet.clear();
 }
 
 void PacketPaths::Wave::add(const Ray& ray, const Path& path) {
     paths[count] = path;
-    rays[count / width].add(ray);
+    own_rays[count / width].add(ray);
     ++count;
 }
 
 void PacketPaths::Wave::fill_up() {
-    if (count % width != 0) rays[count / width].fill_up();
+    if (count % width != 0) own_rays[count / width].fill_up();
 }
 
 PacketPaths::PacketPaths(Tracer::Implementation& tracer)
@@ -46,8 +47,7 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
     for (std::size_t begin = 0; begin < samples.size() && !tracer_.is_stopped(); begin += wave_size) {
         const auto part = samples.subspan(begin, std::min<std::size_t>(wave_size, samples.size() - begin));
         wave.count = static_cast<int>(part.size());
-        const auto packets = rays.subspan(begin / width, (part.size() + width - 1) / width);
-        std::copy(packets.begin(), packets.end(), wave.rays.begin());
+        wave.rays = rays.subspan(begin / width, (part.size() + width - 1) / width);
         const auto first = all_layers ? part : std::span<RaySample>{};
         if (world_.features.transparency) {
             std::fill_n(wave.paths.begin(), wave.count, Path{});  // as rays that went on have taken some
@@ -62,7 +62,7 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
 
 void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     Wave& wave = *waves_[depth];
-    wave.fill_up();
+    if (depth > 0) wave.fill_up();
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
     face_packets_ = 0;
     single_faces_ = nullptr;
@@ -163,9 +163,10 @@ void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t o
     const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : world_.leaves[solid.first_leaf].medium;
     const MaterialInstance& material = world_.materials[shown];
     faces.key = rays.key;
+    faces.departure.fill({index, -1, false, Departure::no_cell});
     for (int lane = 0; lane < width; ++lane) {
         const int ray = faces.ray[lane];
-        faces.departure[lane] = {index, -1, false, wave.starts_inside(ray) ? Departure::unknown_cell : Departure::no_cell};
+        if (wave.starts_inside(ray)) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
         note_path(wave.paths[ray], lane, t, faces);
     }
     place_faces(leaf, rays, t, placed, faces);
@@ -338,8 +339,8 @@ void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter&
     travelled[lane] = e.travelled;
     colour.set(lane, e.matter.colour);
     reflection[lane] = e.matter.reflection, shininess[lane] = e.matter.shininess;
-    departure[lane] = e.departure;
-    departure[lane].cell = e.cell_before, cell_behind[lane] = e.cell_behind;
+    departure.set(lane, e.departure);
+    departure.cell[static_cast<std::size_t>(lane)] = e.cell_before, cell_behind[lane] = e.cell_behind;
     transparent |= static_cast<unsigned>(e.matter.is_transparent()) << lane;
     sheets |= static_cast<unsigned>(e.is_sheet) << lane;
     opacity[lane] = e.matter.opacity;
@@ -359,7 +360,9 @@ void PacketPaths::FacePacket::fill_up() {
     for (int lane = count; lane < width; ++lane) {
         points.x[lane] = points.x[0], points.y[lane] = points.y[0], points.z[lane] = points.z[0];
         arriving.set(lane, arriving[0]), outward.set(lane, outward[0]);
+        anchor.set(lane, anchor[0]), offset.set(lane, offset[0]);
         geometric.set(lane, geometric[0]), shading.set(lane, shading[0]);
+        departure.set(lane, departure[0]), key[static_cast<std::size_t>(lane)] = key[0];
         colour.set(lane, colour[0]);
         reflection[lane] = reflection[0], shininess[lane] = shininess[0];
     }
@@ -369,14 +372,14 @@ void PacketPaths::FacePacket::fill_up() {
 
 void PacketPaths::light_faces() {
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
-    shadows_.rays.clear(), dimmed_.rays.clear();
+    waiting_.rays.clear(), dimmed_.rays.clear();
     AimedLights aimed;
     for (const auto& light : world_.lights) {
         for (std::size_t p = 0; p < face_packets_; ++p) {
             aim(*light, *faces_[p], aimed);
             send_shadow_rays(*faces_[p], aimed);
         }
-        cast_shadows(shadows_);
+        cast_waiting_shadows();
         cast_dimmed_shadows();
     }
 }
@@ -477,81 +480,115 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
     tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
 }
 
-// Shadow rays to a light for all lanes, also those that it does not reach.
-void PacketPaths::aim_shadow_rays(FacePacket& __restrict faces, const AimedLights& __restrict aimed,
-                                  Shadows& __restrict shadows) {
+// Shadow rays to a light for all lanes.
+void PacketPaths::aim_shadow_rays(const FacePacket& __restrict faces, const AimedLights& __restrict aimed,
+                                  AimedShadows& __restrict shadows) {
     RayPacket& rays = shadows.rays;
-    Gains& gains = shadows.gains;
     const IlluminationBatch& light = aimed.illumination;
     rays.count = width, rays.departs = true;
     rays.anchor = faces.anchor, rays.offset = faces.offset;
     rays.departure = faces.departure, rays.key = faces.key;
-    Lanes outward, ahead;
+    Lanes ahead;
     for (int i = 0; i < width; ++i) {
         const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
         rays.direction.set(i, direction);
-        outward[i] = dot(direction, faces.outward[i]), ahead[i] = dot(direction, faces.geometric[i]);
-        shadows.distances[i] = end_before_light(faces.points.point(i), light.distance[i]);
+        rays.departure.inward[static_cast<std::size_t>(i)] = dot(direction, faces.outward[i]) < 0;
+        ahead[i] = dot(direction, faces.geometric[i]);
     }
-    for (int i = 0; i < width; ++i) gains.radiance.set(i, Colour{light.r[i], light.g[i], light.b[i]});
-    for (int i = 0; i < width; ++i) gains.to_light[i] = light.distance[i];
-    gains.diffuse = aimed.diffuse, gains.highlight = aimed.highlight;
+    for (unsigned rest = faces.transparent; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(rest));
+        if (!(ahead.v[i] > 0)) rays.departure.cell[i] = faces.cell_behind[i];
+    }
     for (int i = 0; i < width; ++i) {
-        rays.departure[i].inward = outward[i] < 0;
-        if (faces.is_transparent(i) && !(ahead[i] > 0)) rays.departure[i].cell = faces.cell_behind[i];
-        gains.faces[i] = &faces, gains.lane[i] = i;
+        const bool is_sent = (aimed.arrives >> i & 1) != 0;
+        const double distance = end_before_light(faces.points.point(i), light.distance[i]);
+        shadows.distances[i] = is_sent ? distance : -1;
     }
 }
 
-void PacketPaths::Gains::take(int to, const Gains& other, int from) {
-    radiance.set(to, other.radiance[from]);
-    diffuse[to] = other.diffuse[from], highlight[to] = other.highlight[from], to_light[to] = other.to_light[from];
-    faces[to] = other.faces[from], lane[to] = other.lane[from];
-}
-
-void PacketPaths::Shadows::take(const Shadows& other, int lane) {
-    const int to = rays.count;
-    rays.add(other.rays.ray(lane));
-    distances[to] = other.distances[lane];
-    gains.take(to, other.gains, lane);
-}
-
-// A packet that has a ray in each lane goes at once; rays of others wait for company.
+// Rays of a packet that is nearly full go at once; the others wait for company.
 void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
+    constexpr int nearly_full = width / 2;
     if (aimed.arrives == 0) return;
     aim_shadow_rays(faces, aimed, aimed_shadows_);
-    if (aimed.arrives == aimed_shadows_.rays.lanes()) {
-        cast_shadows(aimed_shadows_);
+    if (std::popcount(aimed.arrives) < nearly_full) {
+        for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
+            waiting_.add(aimed_shadows_, aimed, faces, std::countr_zero(rest));
+            if (waiting_.rays.is_full()) cast_waiting_shadows();
+        }
         return;
     }
-    for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
-        shadows_.take(aimed_shadows_, std::countr_zero(rest));
-        if (shadows_.rays.is_full()) cast_shadows(shadows_);
+    const PacketThroughWorld::Shadows met = find_shadows(aimed_shadows_.rays, aimed_shadows_.distances);
+    light_faces_of(aimed, aimed.arrives & ~(met.blocked | met.asked), faces);
+    for (unsigned rest = aimed.arrives & met.asked & ~met.blocked; rest != 0; rest &= rest - 1) {
+        if (dimmed_.rays.is_full()) cast_dimmed_shadows();
+        dimmed_.add(aimed_shadows_, aimed, faces, std::countr_zero(rest));
     }
 }
 
-void PacketPaths::cast_shadows(Shadows& shadows) {
-    RayPacket& rays = shadows.rays;
+PacketThroughWorld::Shadows PacketPaths::find_shadows(const RayPacket& rays, const Lanes& distances) {
+    for (const double distance : distances.v) tracer_.statistics.shadow_rays += distance >= 0 ? 1 : 0;
+    if (world_.features.transparency) return packet_.shadows(rays, distances);
+    return {packet_.blocked(rays, distances), 0};
+}
+
+void PacketPaths::Shadows::add(const AimedShadows& shadows, const AimedLights& lights, FacePacket& to, int from) {
+    const int ray = rays.count;
+    rays.add(shadows.rays.ray(from));
+    distances[ray] = shadows.distances[from], to_light[ray] = lights.illumination.distance[from];
+    radiance.set(ray, lights.radiance(from));
+    diffuse[ray] = lights.diffuse[from], highlight[ray] = lights.highlight[from];
+    faces[static_cast<std::size_t>(ray)] = &to, lane[static_cast<std::size_t>(ray)] = from;
+}
+
+void PacketPaths::Shadows::take(const Shadows& other, int from) {
+    const int ray = rays.count;
+    rays.add(other.rays.ray(from));
+    distances[ray] = other.distances[from], to_light[ray] = other.to_light[from];
+    radiance.set(ray, other.radiance[from]);
+    diffuse[ray] = other.diffuse[from], highlight[ray] = other.highlight[from];
+    faces[static_cast<std::size_t>(ray)] = other.faces[static_cast<std::size_t>(from)];
+    lane[static_cast<std::size_t>(ray)] = other.lane[static_cast<std::size_t>(from)];
+}
+
+void PacketPaths::cast_waiting_shadows() {
+    RayPacket& rays = waiting_.rays;
     if (rays.count == 0) return;
     rays.fill_up();
-    const PacketThroughWorld::Shadows met = world_.features.transparency
-                                                ? packet_.shadows(rays, shadows.distances)
-                                                : PacketThroughWorld::Shadows{packet_.blocked(rays, shadows.distances), 0};
-    tracer_.statistics.shadow_rays += static_cast<std::uint64_t>(rays.count);
+    for (int i = rays.count; i < width; ++i) waiting_.distances[i] = -1;
+    const PacketThroughWorld::Shadows met = find_shadows(rays, waiting_.distances);
     for (unsigned rest = rays.lanes() & ~met.blocked; rest != 0; rest &= rest - 1) {
         const int lane = std::countr_zero(rest);
-        if ((met.asked >> lane & 1) != 0)
-            dim_later(shadows, lane);
-        else
-            light_face(shadows.gains, lane, Colour::white());
+        if ((met.asked >> lane & 1) == 0) {
+            light_face(waiting_, lane, Colour::white());
+            continue;
+        }
+        if (dimmed_.rays.is_full()) cast_dimmed_shadows();
+        dimmed_.take(waiting_, lane);
     }
     rays.clear();
 }
 
-void PacketPaths::light_face(const Gains& gains, int ray, const Colour& passed) {
-    const Colour arrives = gains.radiance[ray] * passed;
-    gains.faces[ray]->diffuse.add(gains.lane[ray], gains.diffuse[ray] * arrives);
-    gains.faces[ray]->highlight.add(gains.lane[ray], gains.highlight[ray] * arrives);
+// light_face() for lanes that nothing dims.
+void PacketPaths::light_faces_of(const AimedLights& __restrict aimed, unsigned lanes, FacePacket& __restrict faces) {
+    const IlluminationBatch& light = aimed.illumination;
+    Lanes is_lit;
+    for (int i = 0; i < width; ++i) is_lit[i] = static_cast<int>(lanes >> i & 1);
+    for (int i = 0; i < width; ++i) {
+        const bool lit = is_lit[i] != 0;
+        const double diffuse = aimed.diffuse[i], highlight = aimed.highlight[i];
+        faces.diffuse.r[i] += lit ? diffuse * light.r[i] : 0, faces.highlight.r[i] += lit ? highlight * light.r[i] : 0;
+        faces.diffuse.g[i] += lit ? diffuse * light.g[i] : 0, faces.highlight.g[i] += lit ? highlight * light.g[i] : 0;
+        faces.diffuse.b[i] += lit ? diffuse * light.b[i] : 0, faces.highlight.b[i] += lit ? highlight * light.b[i] : 0;
+    }
+}
+
+void PacketPaths::light_face(const Shadows& shadows, int ray, const Colour& passed) {
+    const Colour arrives = shadows.radiance[ray] * passed;
+    FacePacket& faces = *shadows.faces[static_cast<std::size_t>(ray)];
+    const int lane = shadows.lane[static_cast<std::size_t>(ray)];
+    faces.diffuse.add(lane, shadows.diffuse[ray] * arrives);
+    faces.highlight.add(lane, shadows.highlight[ray] * arrives);
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------------
@@ -563,10 +600,12 @@ void PacketPaths::finish_colours(std::size_t depth) {
     if (waves_.size() > depth + 1) waves_[depth + 1]->clear();
     for (std::size_t p = 0; p < face_packets_; ++p) {
         FacePacket& faces = *faces_[p];
-        for (int i = 0; i < faces.count; ++i) {
+        ColourLanes shown;
+        for (int i = 0; i < width; ++i) {
             const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + faces.highlight[i];
-            wave.colours[faces.ray[i]] = (1 - faces.reflection[i]) * local;
+            shown.set(i, (1 - faces.reflection[i]) * local);
         }
+        for (int i = 0; i < faces.count; ++i) wave.colours[faces.ray[i]] = shown[i];
         if (!world_.features.reflection) continue;
         for (int i = 0; i < faces.count; ++i)
             if (faces.reflection[i] > 0) mirror_ray(faces, i, wave, *waves_[depth + 1]);

@@ -58,7 +58,8 @@ private:
         explicit Wave(bool through_matter);
 
         int count = 0;
-        std::vector<RayPacket> rays;
+        std::span<const RayPacket> rays;  // its own ones, or those of the camera
+        std::vector<RayPacket> own_rays;
         std::array<BoundaryPacket, wave_size / width> boundaries;
         std::vector<Path> paths;
         std::vector<Colour> colours;
@@ -86,7 +87,7 @@ private:
         void add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
                                 const Colour& passed_before, std::uint32_t lit_before);
         double from(int i) const { return stretches[static_cast<std::size_t>(i / width)].from[i % width]; }
-        const Departure& departure(int i) const { return rays[static_cast<std::size_t>(i / width)].departure[i % width]; }
+        Departure departure(int i) const { return rays[static_cast<std::size_t>(i / width)].departure[i % width]; }
         const ChangePacket& change(int i) const { return changes[(i - begin) / width]; }
         bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
@@ -101,7 +102,7 @@ private:
         PointBatch points;  // rounded
         Lanes travelled, reflection, shininess;
         ColourLanes colour, ambient, diffuse, highlight;
-        std::array<Departure, width> departure;
+        DepartureLanes departure;
         std::array<SampleKey, width> key;
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
@@ -123,24 +124,25 @@ private:
         IlluminationBatch illumination;
         Lanes diffuse, highlight;
         unsigned arrives = 0;  // the lanes that it may reach
+        Colour radiance(int lane) const { return {illumination.r[lane], illumination.g[lane], illumination.b[lane]}; }
     };
 
-    // What shadow rays add to which faces if nothing is in the way.
-    struct Gains {
-        ColourLanes radiance;
-        Lanes diffuse, highlight, to_light;  // `to_light` is the distance, of which the ray's lacks a little
-        std::array<FacePacket*, width> faces;
-        std::array<std::int32_t, width> lane;
-
-        void take(int to, const Gains& other, int from);
+    // Shadow rays of faces in the same lanes. Those that are not sent have a distance below 0.
+    struct AimedShadows {
+        RayPacket rays;
+        Lanes distances;
     };
-    // Shadow rays, each with what it adds where nothing is in the way.
+    // Shadow rays of faces of any packets, each with what it adds to which face if nothing is in the way.
     struct Shadows {
         RayPacket rays;
         Lanes distances;
-        Gains gains;
+        ColourLanes radiance;
+        Lanes diffuse, highlight, to_light;  // `to_light` is the distance to the light, of which the ray's lacks a little
+        std::array<FacePacket*, width> faces;
+        std::array<std::int32_t, width> lane;
 
-        void take(const Shadows& other, int lane);
+        void add(const AimedShadows& shadows, const AimedLights& lights, FacePacket& to, int from);
+        void take(const Shadows& other, int from);
     };
 
     const BeamThroughWorld* beam_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam : nullptr; }
@@ -169,9 +171,11 @@ private:
     void begin_light(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
-    static void aim_shadow_rays(FacePacket& faces, const AimedLights& aimed, Shadows& shadows);
-    void cast_shadows(Shadows& shadows);
-    static void light_face(const Gains& gains, int ray, const Colour& passed);
+    static void aim_shadow_rays(const FacePacket& faces, const AimedLights& aimed, AimedShadows& shadows);
+    PacketThroughWorld::Shadows find_shadows(const RayPacket& rays, const Lanes& distances);
+    static void light_faces_of(const AimedLights& aimed, unsigned lanes, FacePacket& faces);
+    void cast_waiting_shadows();
+    static void light_face(const Shadows& shadows, int ray, const Colour& passed);
     void finish_colours(std::size_t depth);
     void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
     FacePacket& new_faces();
@@ -200,7 +204,6 @@ private:
     void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);
     void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
               Tracer::Implementation::Turn turn);
-    void dim_later(const Shadows& shadows, int lane);
     void cast_dimmed_shadows();
     bool dim(int lane, const ChangePacket& changes, double from, Colour& passed);
     Label label_of(std::int32_t solid) const;
@@ -214,8 +217,8 @@ private:
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;
-    Shadows aimed_shadows_;
-    Shadows shadows_;  // that wait for company
+    AimedShadows aimed_shadows_;
+    Shadows waiting_;  // for company
     Shadows dimmed_;   // that meet matter which may dim them
 };
 

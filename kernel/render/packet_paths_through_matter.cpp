@@ -20,7 +20,7 @@ namespace lapidary {
 void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySample> first) {
     while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(true));
     Wave& wave = *waves_[depth];
-    wave.fill_up();
+    if (depth > 0) wave.fill_up();
     if (depth >= most_waves) {
         for (int i = 0; i < wave.count && !tracer_.is_stopped(); ++i) trace_alone(wave, i, first);
         return;
@@ -224,7 +224,7 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         const ChangePacket& changes = wave.change(ray);
         const int number = faces.count;
         t[number] = changes.first.t[lane];
-        faces.departure[number] = {index, -1, false, label_of(changes.before[lane]).owner};
+        faces.departure.set(number, {index, -1, false, label_of(changes.before[lane]).owner});
         faces.cell_behind[number] = label_of(changes.after[lane]).owner;
         if (changes.after[lane] < 0) faces.leaving |= 1U << number;
         add_plain_face(wave, ray, faces, rays, t);
@@ -232,7 +232,10 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         faces.t[number] = t[number];
     }
     rays.fill_up();
-    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
+    for (int lane = faces.count; lane < width; ++lane) {
+        t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
+        faces.departure.set(lane, faces.departure[0]), faces.key[static_cast<std::size_t>(lane)] = faces.key[0];
+    }
     if (leaf.first_surface >= 0) {
         place_shared_faces(leaf, leading.face[leader % width], rays, t, faces);
     } else {
@@ -266,8 +269,8 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
         faces.arriving.set(i, arriving);
         faces.geometric.set(i, dot(normal, arriving) > 0 ? -normal : normal);
         faces.outward.set(i, use.flipped ? -normal : normal);
-        faces.departure[i].surface_class = use.surface_class;
     }
+    faces.departure.surface_class.fill(use.surface_class);
     faces.shading = faces.geometric;
 }
 
@@ -329,12 +332,6 @@ void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, F
 
 // ---- shadows in colours ----------------------------------------------------------------------------------------------
 
-// A shadow ray that nothing blocks for certain, to be followed through what it meets before the next light's turn.
-void PacketPaths::dim_later(const Shadows& shadows, int lane) {
-    if (dimmed_.rays.is_full()) cast_dimmed_shadows();
-    dimmed_.take(shadows, lane);
-}
-
 // Tracer::Implementation::light_through for all lanes, from change to change.
 void PacketPaths::cast_dimmed_shadows() {
     if (dimmed_.rays.count == 0) return;
@@ -345,7 +342,7 @@ void PacketPaths::cast_dimmed_shadows() {
     passed.fill(Colour::white());
     dimmed_.rays.fill_up();
     stretch.from.v.fill(0), stretch.limit.v.fill(-1);
-    for (int lane = 0; lane < dimmed_.rays.count; ++lane) stretch.limit[lane] = dimmed_.gains.to_light[lane];
+    for (int lane = 0; lane < dimmed_.rays.count; ++lane) stretch.limit[lane] = dimmed_.to_light[lane];
 
     for (unsigned under_way = all; under_way != 0;) {
         packet_.first_changes(dimmed_.rays, stretch, nullptr, changes);
@@ -358,14 +355,14 @@ void PacketPaths::cast_dimmed_shadows() {
             under_way &= ~(1U << lane);
         }
     }
-    for (int lane = 0; lane < dimmed_.rays.count; ++lane) light_face(dimmed_.gains, lane, passed[lane]);
+    for (int lane = 0; lane < dimmed_.rays.count; ++lane) light_face(dimmed_, lane, passed[lane]);
     dimmed_.rays.clear();
 }
 
 // What the matter up to the next change, and the face there, leave of the light. Whether the way goes on behind it.
 bool PacketPaths::dim(int lane, const ChangePacket& changes, double from, Colour& passed) {
     const RayPacket& rays = dimmed_.rays;
-    const double to_light = dimmed_.gains.to_light[lane];
+    const double to_light = dimmed_.to_light[lane];
     const Boundary boundary = boundary_of(changes, lane);
     const bool changes_here = !(boundary.before == boundary.after);
     const bool at_light = boundary.t >= dimmed_.distances[lane];

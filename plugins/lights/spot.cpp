@@ -37,28 +37,35 @@ public:
         schema.require("the first angle must not be larger than the second", [](const Spot& s) { return s.inner_ <= s.outer_; });
     }
 
-    Illumination from_middle(const Point& point) const {
-        const double part = part_within(normalize(point - location_));
-        if (!(part > 0)) return {};
-        return point_light(location_ - point, part * colour_, intensity_);
+    // The axis as a unit vector, and the sines of half the angles.
+    struct Cone {
+        Vector axis;
+        double inner, outer;
+    };
+    Cone common() const { return {normalize(direction_), std::sin(inner_ / 2), std::sin(outer_ / 2)}; }
+
+    Illumination from_middle(const Point& point, const Cone& cone) const {
+        const Heading to_centre = heading_along(location_ - point);
+        return point_light(to_centre, part_within(cone, -to_centre.direction) * colour_, intensity_);
     }
 
-    Illumination from_sample(const Point& point, const LightSample& sample) const {
-        const double part = part_within(normalize(point - location_));
+    Illumination from_sample(const Point& point, const LightSample& sample, const Cone& cone) const {
+        const Vector to_centre = location_ - point;
+        const double part = part_within(cone, -heading_along(to_centre).direction);
         if (!(part > 0)) return {};
-        return ball_light(location_ - point, radius_, part * colour_, intensity_, sample);
+        return ball_light(to_centre, radius_, part * colour_, intensity_, sample);
     }
 
     bool has_extent() const override { return radius_ > 0; }
 
 private:
-    double part_within(const Vector& way) const {
-        const double off_axis = length(way - normalize(direction_)) / 2;
-        const double inner = std::sin(inner_ / 2), outer = std::sin(outer_ / 2);
-        if (off_axis <= inner && inner > 0) return 1;  // angles of 0 let nothing through, angles of 180deg everything
-        if (off_axis >= outer) return 0;
+    // Chosen instead of returned early, so that a loop over points stays vector instructions.
+    static double part_within(const Cone& cone, const Vector& way) {
+        const double inner = cone.inner, outer = cone.outer, off_axis = length(way - cone.axis) / 2;
         const double s = (outer - off_axis) * (outer + off_axis) / ((outer - inner) * (outer + inner));
-        return s * s * (3 - 2 * s);
+        const double between = off_axis < outer ? s * s * (3 - 2 * s) : 0;
+        const bool is_full = inner > 0 && off_axis <= inner;  // angles of 0 let nothing through, angles of 180deg everything
+        return is_full ? 1 : between;
     }
 
     Colour colour_ = Colour::white();

@@ -13,12 +13,6 @@
 
 namespace lapidary {
 
-// The length of v, not lost where its square would overflow or vanish.
-inline double distance_of(const Vector& v) {
-    const double scale = scale_to_one(largest_magnitude(v));
-    return length(scale * v) / scale;
-}
-
 // intensity / d^2 without squaring d, and never beyond the largest finite number: what is next to a light is as bright
 // as numbers allow.
 inline double inverse_square(double intensity, double distance) {
@@ -55,12 +49,17 @@ inline Vector direction_in_cone(const Vector& axis, double versine, const LightS
 }
 
 // Light from a point at the end of `to_centre`. A point at the light's own place gets none of it: there is no direction to it.
-inline Illumination point_light(const Vector& to_centre, const Colour& colour, double intensity) {
-    const double distance = distance_of(to_centre);
+inline Illumination point_light(const Heading& to_centre, const Colour& colour, double intensity) {
     // Chosen instead of returned early, so that a loop over points stays vector instructions.
-    const bool apart = distance > 0;
-    const double light = inverse_square(intensity, distance);
-    return {normalize(to_centre), apart ? distance : infinity, colour * (apart ? light : 0)};
+    constexpr double most = std::numeric_limits<double>::max();
+    const bool apart = to_centre.distance > 0;
+    const double inverse = to_centre.inverse_distance < most ? to_centre.inverse_distance : most;
+    const double falling_off = intensity * inverse * inverse, light = falling_off < most ? falling_off : most;
+    return {to_centre.direction, apart ? to_centre.distance : infinity, colour * (apart ? light : 0)};
+}
+
+inline Illumination point_light(const Vector& to_centre, const Colour& colour, double intensity) {
+    return point_light(heading_along(to_centre), colour, intensity);
 }
 
 // Light from a ball of radius r > 0 about the end of `to_centre`, which sends `intensity` in every direction as a point
@@ -72,7 +71,7 @@ inline Illumination point_light(const Vector& to_centre, const Colour& colour, d
 // which for r = 0 is the point light's intensity/d^2. From within, the ball's surface is all around.
 inline Illumination ball_light(const Vector& to_centre, double radius, const Colour& colour, double intensity,
                                const LightSample& sample) {
-    const double distance = distance_of(to_centre);
+    const double distance = heading_along(to_centre).distance;
     if (!(distance > 0)) return {};
     const Vector axis = normalize(to_centre);
     if (distance <= radius) {
