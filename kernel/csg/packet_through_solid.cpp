@@ -77,6 +77,15 @@ void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, st
     }
 }
 
+// The surface that lines meet at t, where none is named before.
+void name_met(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t surface, const Lanes& __restrict t,
+              PacketThroughSolid::LeafLanes& __restrict name) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const bool is_met = either(in[i] == t[i], out[i] == t[i]);
+        name[i] = both(is_met, name[i] < 0) ? surface : name[i];
+    }
+}
+
 // Lanes that a negative leaf holds again a sliver's length beyond t are doubtful; where another one ends at t, too, whose face it
 // is is not known.
 void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
@@ -440,6 +449,15 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, L
     }
     for (int i = 0; i < width; ++i)
         if (!(in[i] < out[i])) in[i] = infinity, out[i] = -infinity;
+}
+
+void PacketThroughSolid::find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face) {
+    face.fill(-1);
+    for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
+        Lanes in, out;
+        surface_spans(world_.surface_uses[leaf.first_surface + s], in, out);
+        name_met(in, out, s, t, face);
+    }
 }
 
 void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out) {

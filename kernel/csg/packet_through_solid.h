@@ -62,6 +62,8 @@ public:
     FirstChange next_change_of_single(const Solid& solid, double from, int lane);
     // The lines of the rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf);
+    // Of a leaf that shares faces: the first of its surfaces that the lines meet at t; -1: none, or one that rounding moved.
+    void find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face);
     // Where every lane meets a sheet that shares no plane.
     void cross_sheet(std::int32_t leaf, Lanes& t);
 

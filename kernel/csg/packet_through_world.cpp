@@ -199,15 +199,33 @@ void PacketThroughWorld::walk(Visit visit) {
 
 void PacketThroughWorld::first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries) {
     limits_.v.fill(infinity);
-    boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1);
+    boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1), boundaries.face.fill(-1);
     boundaries.starts_inside = 0;
     start(rays);
     const auto meet = [&](std::int32_t solid) { meet_solid(solid, boundaries); };
     for_each_solid<Order::near_first>(beam, meet);
-    if (world_.sheets.empty()) return;
-    Lanes from;
-    from.v.fill(0);
-    meet_sheets(from, boundaries);
+    if (!world_.sheets.empty()) {
+        Lanes from;
+        from.v.fill(0);
+        meet_sheets(from, boundaries);
+    }
+    if (world_.features.shared_surfaces) name_shared_faces(boundaries);
+}
+
+// Of leaves that share faces: which surface it is that rays meet.
+void PacketThroughWorld::name_shared_faces(BoundaryPacket& boundaries) {
+    std::array<bool, width> is_done{};
+    for (std::size_t leader = 0; leader < width; ++leader) {
+        const std::int32_t index = boundaries.leaf[leader];
+        if (is_done[leader] || index < 0 || world_.leaves[index].first_surface < 0) continue;
+        PacketThroughSolid::LeafLanes faces;
+        solid_.find_shared_faces(world_.leaves[index], boundaries.t, faces);
+        for (std::size_t lane = leader; lane < width; ++lane) {
+            if (boundaries.leaf[lane] != index) continue;
+            boundaries.face[lane] = static_cast<std::int32_t>(faces[lane]);
+            is_done[lane] = true;
+        }
+    }
 }
 
 void PacketThroughWorld::meet_solid(std::int32_t index, BoundaryPacket& boundaries) {
@@ -291,7 +309,7 @@ void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& str
     BoundaryPacket& first = changes.first;
     first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
     first.starts_inside = 0;
-    changes.face.fill(-1);
+    first.face.fill(-1);
     changes.unclear = 0;
     starts_.first.fill(-1), starts_.second.fill(-1);
     starts_.leaves_first = 0, starts_.shared = 0;
@@ -321,7 +339,7 @@ CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict fo
     for (unsigned rest = bits; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
         changes.first.leaf[lane] = static_cast<std::int32_t>(found.leaf[lane]);
-        changes.face[lane] = static_cast<std::int32_t>(found.face[lane]);
+        changes.first.face[lane] = static_cast<std::int32_t>(found.face[lane]);
     }
     return {bits, static_cast<unsigned>(shared)};
 }

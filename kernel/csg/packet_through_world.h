@@ -71,6 +71,7 @@ private:
     // Whether any ray reaches a box within its limit.
     bool is_within_limits(const FloatLanes& near) const;
     void meet_solid(std::int32_t index, BoundaryPacket& boundaries);
+    void name_shared_faces(BoundaryPacket& boundaries);
     void meet_sheets(const Lanes& from, BoundaryPacket& boundaries);
     unsigned blocked_by_sheets(const Lanes& distances, unsigned among);
     void change_at_solid(std::int32_t index, ChangePacket& changes);

@@ -92,22 +92,22 @@ struct BoundaryPacket {
     Lanes t;
     std::array<std::int32_t, batch_size> solid;  // in World::solids; -1: nothing, or a sheet
     std::array<std::int32_t, batch_size> leaf;   // whose face it is; -1: nothing, or not known
+    std::array<std::int32_t, batch_size> face;   // of a leaf that shares faces: which of its surfaces; -1: not known
     unsigned starts_inside;                      // the rays that start in a solid: bit i for ray i
 
-    bool are_of_one_leaf() const {
+    bool are_of_one_face() const {
         const auto all = [](const std::array<std::int32_t, batch_size>& values) {
             int same = 0;
             for (std::int32_t value : values) same += value == values[0];
             return same == batch_size;
         };
-        return all(leaf) && all(solid);
+        return all(leaf) && all(face) && all(solid);
     }
 };
 
 // Where what each ray of a packet is in first changes, and the solids that own the cells before and behind.
 struct ChangePacket {
     BoundaryPacket first;
-    std::array<std::int32_t, batch_size> face;           // of a leaf that shares faces: which of its surfaces; -1: not known
     std::array<std::int32_t, batch_size> before, after;  // in World::solids; -1: empty space
     unsigned unclear;                                    // the rays whose answers are not to be used, but those of the single ray
 };

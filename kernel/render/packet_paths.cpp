@@ -91,16 +91,17 @@ PacketPaths::FacePacket& PacketPaths::new_faces() {
     return faces;
 }
 
-// Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, its position was computed
-// in the leaf's own frame, and the innards that a cut shows are those of the first positive leaf.
+// Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, and of it which surface
+// if it is shared, and the innards that a cut shows are those of the first positive leaf.
 bool PacketPaths::is_plain(const Wave& wave, int ray) const {
     if (wave.leaf(ray) < 0 || wave.solid(ray) < 0) return false;
     const Leaf& leaf = world_.leaves[wave.leaf(ray)];
-    return leaf.first_surface < 0 && (leaf.appearance >= 0 || world_.solids[wave.solid(ray)].is_product);
+    if (leaf.first_surface >= 0 && wave.face(ray) < 0) return false;
+    return leaf.appearance >= 0 || world_.solids[wave.solid(ray)].is_product;
 }
 
 // Of one packet; returns the rays that are to be gathered with those of others: bit i for ray i. Where all rays meet the same
-// leaf, as is usual where they are close together, nothing has to be gathered.
+// face, as is usual where they are close together, nothing has to be gathered.
 std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<RaySample> first) {
     const BoundaryPacket& boundaries = wave.boundaries[packet];
     const int begin = packet * width, count = std::min(width, wave.count - begin);
@@ -109,13 +110,20 @@ std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<Ra
     for (int lane = 0; lane < count; ++lane)
         if ((met >> lane & 1) == 0) wave.colours[begin + lane] = world_.background;
     constexpr std::uint64_t all = (1u << width) - 1;
-    if (met != all || !boundaries.are_of_one_leaf() || !is_plain(wave, begin)) return met;
+    if (met != all || !boundaries.are_of_one_face() || !is_plain(wave, begin)) return met;
 
+    const std::int32_t index = boundaries.leaf[0];
+    const Leaf& leaf = world_.leaves[index];
+    const RayPacket& rays = wave.rays[packet];
     FacePacket& faces = new_faces();
     faces.count = width;
     for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
-    const std::int32_t leaf = boundaries.leaf[0];
-    show_leaf(wave, leaf, boundaries.solid[0], wave.rays[packet], boundaries.t, packet_.placed_lines(leaf), faces, first);
+    note_rays(wave, index, rays, boundaries.t, faces);
+    if (leaf.first_surface < 0)
+        place_own_faces(leaf, rays, boundaries.t, packet_.placed_lines(index), faces);
+    else
+        place_shared_faces(leaf, boundaries.face[0], rays, boundaries.t, faces);
+    show_leaf(leaf, boundaries.solid[0], faces, first);
     return 0;
 }
 
@@ -132,16 +140,17 @@ void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<Ray
     if (single_faces_) single_faces_->fill_up();
 }
 
-// The first waiting ray's face, together with those of other rays that meet the same leaf.
+// The first waiting ray's face, together with those of other rays that meet the same one.
 void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first) {
     const int leader = std::countr_zero(waiting);
-    const std::int32_t leaf = wave.leaf(leader);
+    const std::int32_t index = wave.leaf(leader), face = wave.face(leader);
+    const Leaf& leaf = world_.leaves[index];
     FacePacket& faces = new_faces();
     RayPacket rays;
     Lanes t;
     for (std::uint64_t rest = waiting; rest != 0 && !faces.is_full(); rest &= rest - 1) {
         const int ray = std::countr_zero(rest);
-        if (wave.leaf(ray) != leaf) continue;
+        if (wave.leaf(ray) != index || wave.face(ray) != face) continue;
         waiting &= ~(std::uint64_t{1} << ray);
         const int lane = faces.count++;
         rays.add(wave.ray(ray));
@@ -150,26 +159,27 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
-    PlacedLines placed;
-    place_lines(world_.leaves[leaf].placement, rays, placed);
-    show_leaf(wave, leaf, wave.solid(leader), rays, t, placed, faces, first);
+    note_rays(wave, index, rays, t, faces);
+    place_faces(leaf, face, rays, t, faces);
+    show_leaf(leaf, wave.solid(leader), faces, first);
 }
 
-// The faces of a leaf with the matter that they show; faces.ray is known already.
-void PacketPaths::show_leaf(const Wave& wave, std::int32_t index, std::int32_t of_solid, const RayPacket& rays, const Lanes& t,
-                            const PlacedLines& placed, FacePacket& faces, std::span<RaySample> first) {
-    const Leaf& leaf = world_.leaves[index];
-    const Solid& solid = world_.solids[of_solid];
-    const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : world_.leaves[solid.first_leaf].medium;
-    const MaterialInstance& material = world_.materials[shown];
+// What is known of the faces of a leaf from their rays alone; faces.ray is known already.
+void PacketPaths::note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
     faces.key = rays.key;
-    faces.departure.fill({index, -1, false, Departure::no_cell});
+    faces.departure.fill({leaf, -1, false, Departure::no_cell});
     for (int lane = 0; lane < width; ++lane) {
         const int ray = faces.ray[lane];
         if (wave.starts_inside(ray)) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
         note_path(wave.paths[ray], lane, t, faces);
     }
-    place_faces(leaf, rays, t, placed, faces);
+}
+
+// The matter that faces of a leaf show, where they are.
+void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket& faces, std::span<RaySample> first) {
+    const Solid& solid = world_.solids[of_solid];
+    const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : world_.leaves[solid.first_leaf].medium;
+    const MaterialInstance& material = world_.materials[shown];
     give_matter(material, faces);
     describe(leaf, material, faces, first);
 }
@@ -220,36 +230,105 @@ PointBatch PacketPaths::local_points(const PlacedLines& __restrict placed, const
     return local;
 }
 
-// LineThroughSolid::face_at for all lanes.
-void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
-                              FacePacket& faces) {
+// LineThroughSolid::face_at for all lanes. `face`: which of the surfaces, of a leaf that shares them.
+void PacketPaths::place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
+    if (leaf.first_surface >= 0) {
+        place_shared_faces(leaf, face, rays, t, faces);
+        return;
+    }
+    PlacedLines placed;
+    place_lines(leaf.placement, rays, placed);
+    place_own_faces(leaf, rays, t, placed, faces);
+}
+
+void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                                  FacePacket& faces) {
     SpanBatch spans;
     leaf.object->spans_batch(placed.lines, width, &spans);
     PointBatch local = local_points(placed, spans, t);
 
-    // Beside the rays' origins points are taken from there.
-    std::uint64_t near_lanes = 0;
-    for (int i = 0; i < width; ++i) near_lanes |= static_cast<std::uint64_t>(is_near_root(t[i], placed.anchor[i])) << i;
-    if (leaf.face_count == 0) near_lanes = 0;
-    std::array<TwoPartPoint, width> near;
-    for (std::uint64_t rest = near_lanes; rest != 0; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        near[i] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
-        const Point p = leaf.placement.to_local(near[i]);
-        local.x[i] = p.x, local.y[i] = p.y, local.z[i] = p.z;
-    }
+    NearPoints near;
+    if (leaf.face_count > 0) near.find(rays, t, placed.anchor);
+    near.replace_local(leaf.placement, local);
 
     NormalBatch normals;
     leaf.object->normals_batch(local, width, &normals);
+    place_points(leaf.placement, local, faces);
+    near.replace(faces);
     faces.arriving = rays.direction;
-    if (leaf.placement.has_identity_linear())
-        place_in_world<true>(leaf.placement, local, normals, faces);
-    else
-        place_in_world<false>(leaf.placement, local, normals, faces);
-    for (std::uint64_t rest = near_lanes; rest != 0; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        faces.anchor.set(i, near[i].anchor), faces.offset.set(i, near[i].offset);
+    turn_normals(leaf.placement, normals, faces);
+    round_points(faces);
+}
+
+// Of a face that a leaf shares: in the frame of its class's representative.
+void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t,
+                                     FacePacket& faces) {
+    const SurfaceUse& use = world_.surface_uses[leaf.first_surface + face];
+    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
+    const Leaf& frame = world_.leaves[surface_class.leaf];
+    PlacedLines placed;
+    place_lines(frame.placement, rays, placed);
+    NearPoints near;
+    if (!surface_class.whole) near.find(rays, t, placed.anchor);
+    PointBatch local = points_at(placed, t);
+    place_points(frame.placement, local, faces);
+    near.replace(faces);
+
+    NormalBatch normals;
+    for (int i = 0; i < width; ++i) {
+        const TwoPartPoint point{to_point(faces.anchor[i]), faces.offset[i]};
+        const bool in_own_frame = &frame == &leaf && (near.lanes >> i & 1) == 0;
+        const Point own = in_own_frame ? local.point(i) : leaf.placement.to_local(point);
+        const Normal normal = leaf.object->normal({own, face});
+        normals.x[i] = normal.x, normals.y[i] = normal.y, normals.z[i] = normal.z;
     }
+    faces.arriving = rays.direction;
+    turn_normals(leaf.placement, normals, faces);
+    // Of a shared surface, sides are those of its representative.
+    for (int i = 0; use.flipped && i < width; ++i) faces.outward.set(i, -faces.outward[i]);
+    faces.departure.surface_class.fill(use.surface_class);
+    round_points(faces);
+}
+
+// LocalLine::at() for all lanes.
+PointBatch PacketPaths::points_at(const PlacedLines& __restrict placed, const Lanes& __restrict t) {
+    const LineBatch& lines = placed.lines;
+    PointBatch points;
+    for (int i = 0; i < width; ++i) {
+        const double local_t = t[i] - placed.anchor[i];
+        points.x[i] = fused_multiply_add(local_t, lines.direction_x[i], lines.closest_x[i]);
+        points.y[i] = fused_multiply_add(local_t, lines.direction_y[i], lines.closest_y[i]);
+        points.z[i] = fused_multiply_add(local_t, lines.direction_z[i], lines.closest_z[i]);
+    }
+    return points;
+}
+
+// Beside the rays' origins points are taken from there.
+void PacketPaths::NearPoints::find(const RayPacket& rays, const Lanes& t, const Lanes& anchor) {
+    for (int i = 0; i < width; ++i) lanes |= static_cast<std::uint64_t>(is_near_root(t[i], anchor[i])) << i;
+    for (std::uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        points[static_cast<std::size_t>(i)] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
+    }
+}
+
+void PacketPaths::NearPoints::replace_local(const Transform& placement, PointBatch& local) const {
+    for (std::uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        const Point p = placement.to_local(points[static_cast<std::size_t>(i)]);
+        local.x[i] = p.x, local.y[i] = p.y, local.z[i] = p.z;
+    }
+}
+
+void PacketPaths::NearPoints::replace(FacePacket& faces) const {
+    for (std::uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        const TwoPartPoint& point = points[static_cast<std::size_t>(i)];
+        faces.anchor.set(i, point.anchor), faces.offset.set(i, point.offset);
+    }
+}
+
+void PacketPaths::round_points(FacePacket& __restrict faces) {
     for (int i = 0; i < width; ++i) {
         faces.points.x[i] = faces.anchor.x[i] + faces.offset.x[i];
         faces.points.y[i] = faces.anchor.y[i] + faces.offset.y[i];
@@ -257,23 +336,48 @@ void PacketPaths::place_faces(const Leaf& leaf, const RayPacket& rays, const Lan
     }
 }
 
+namespace {
+
 template <bool identity>
-void PacketPaths::place_in_world(const Transform& placement, const PointBatch& __restrict local,
-                                 const NormalBatch& __restrict normals, FacePacket& __restrict faces) {
+void place_points_by(const Transform& placement, const PointBatch& __restrict local, VectorLanes& __restrict anchor,
+                     VectorLanes& __restrict offset) {
     const TwoPartPoint centre = placement.centre();
-    const Matrix3 linear = placement.linear(), inverse = placement.inverse_linear();
-    for (int i = 0; i < width; ++i) {
+    const Matrix3 linear = placement.linear();
+    for (int i = 0; i < PacketPaths::width; ++i) {
         const Vector place = to_vector(local.point(i));
-        faces.anchor.set(i, centre.anchor);
-        faces.offset.set(i, (identity ? place : multiply(place, linear)) + centre.offset);
+        anchor.set(i, centre.anchor);
+        offset.set(i, (identity ? place : multiply(place, linear)) + centre.offset);
     }
-    for (int i = 0; i < width; ++i) {
+}
+
+// Unit normals in the world, and turned against the rays that arrive.
+template <bool identity>
+void turn_normals_by(const Transform& placement, const NormalBatch& __restrict normals, const VectorLanes& __restrict arriving,
+                     VectorLanes& __restrict outward, VectorLanes& __restrict geometric) {
+    const Matrix3 inverse = placement.inverse_linear();
+    for (int i = 0; i < PacketPaths::width; ++i) {
         const Vector normal{normals.x[i], normals.y[i], normals.z[i]};
-        const Vector outward = normalize(identity ? normal : multiply_transposed(normal, inverse));
-        const double sign = dot(outward, faces.arriving[i]) > 0 ? -1 : 1;
-        faces.outward.set(i, outward);
-        faces.geometric.set(i, Vector{sign * outward.x, sign * outward.y, sign * outward.z});
+        const Vector unit = normalize(identity ? normal : multiply_transposed(normal, inverse));
+        const double sign = dot(unit, arriving[i]) > 0 ? -1 : 1;
+        outward.set(i, unit);
+        geometric.set(i, Vector{sign * unit.x, sign * unit.y, sign * unit.z});
     }
+}
+
+}  // namespace
+
+void PacketPaths::place_points(const Transform& placement, const PointBatch& local, FacePacket& faces) {
+    if (placement.has_identity_linear())
+        place_points_by<true>(placement, local, faces.anchor, faces.offset);
+    else
+        place_points_by<false>(placement, local, faces.anchor, faces.offset);
+}
+
+void PacketPaths::turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces) {
+    if (placement.has_identity_linear())
+        turn_normals_by<true>(placement, normals, faces.arriving, faces.outward, faces.geometric);
+    else
+        turn_normals_by<false>(placement, normals, faces.arriving, faces.outward, faces.geometric);
     faces.shading = faces.geometric;
 }
 
@@ -426,8 +530,15 @@ unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __r
 // shininess: then it is whole_power() for all lanes.
 void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, Lanes& highlights) {
     const double exponent = shininess[0];
-    int same = 0;
-    for (int i = 0; i < RayPacket::width; ++i) same += shininess[i] == exponent;
+    std::int64_t same = 0, showing = 0;
+    for (int i = 0; i < RayPacket::width; ++i) {
+        same += shininess[i] == exponent;
+        showing += power_vanishes(cosine[i], shininess[i]) ? 0 : std::int64_t{1} << i;
+    }
+    if ((static_cast<unsigned>(showing) & lit) == 0) {
+        highlights.v.fill(0);
+        return;
+    }
     if (same < RayPacket::width || !is_small_whole(exponent)) {
         highlights.v.fill(0);
         for (unsigned rest = lit; rest != 0; rest &= rest - 1) {

@@ -82,6 +82,7 @@ private:
         Ray ray(int i) const { return rays[i / width].ray(i % width); }
         double t(int i) const { return boundaries[i / width].t[i % width]; }
         std::int32_t leaf(int i) const { return boundaries[i / width].leaf[i % width]; }
+        std::int32_t face(int i) const { return boundaries[i / width].face[i % width]; }
         std::int32_t solid(int i) const { return boundaries[i / width].solid[i % width]; }
         void begin_camera_rays();
         void add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
@@ -119,6 +120,16 @@ private:
         Ray depart(int lane, const Vector& direction) const;
     };
 
+    // Points of the lanes that meet a face beside the origins of their rays.
+    struct NearPoints {
+        std::uint64_t lanes = 0;
+        std::array<TwoPartPoint, width> points;
+
+        void find(const RayPacket& rays, const Lanes& t, const Lanes& anchor);
+        void replace_local(const Transform& placement, PointBatch& local) const;
+        void replace(FacePacket& faces) const;
+    };
+
     // A light as it falls on a packet of faces, before shadow.
     struct AimedLights {
         IlluminationBatch illumination;
@@ -154,18 +165,21 @@ private:
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
     void add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t);
     void note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces);
-    void show_leaf(const Wave& wave, std::int32_t leaf, std::int32_t solid, const RayPacket& rays, const Lanes& t,
-                   const PlacedLines& placed, FacePacket& faces, std::span<RaySample> first);
+    void note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<RaySample> first);
     void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
     void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
-    static void place_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
-                            FacePacket& faces);
+    void place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    static void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                                FacePacket& faces);
+    void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     static PointBatch local_points(const PlacedLines& placed, const SpanBatch& spans, const Lanes& t);
-    template <bool identity>
-    static void place_in_world(const Transform& placement, const PointBatch& local, const NormalBatch& normals,
-                               FacePacket& faces);
+    static PointBatch points_at(const PlacedLines& placed, const Lanes& t);
+    static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
+    static void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
+    static void round_points(FacePacket& faces);
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces();
     void begin_light(FacePacket& faces);
@@ -196,7 +210,6 @@ private:
     std::int32_t shown_at_change(const Wave& wave, int ray) const;
     void meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first);
     void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
-    void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     double index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const;
     void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
     void divide_light(Wave& wave, Wave& next, const FacePacket& faces);

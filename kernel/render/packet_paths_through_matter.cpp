@@ -89,7 +89,7 @@ void PacketPaths::collect_faces_at_changes(Wave& wave, Wave& next, std::span<Ray
 std::uint64_t PacketPaths::sorting_key(const Wave& wave, int ray) const {
     const ChangePacket& changes = wave.change(ray);
     const auto leaf = static_cast<std::uint64_t>(changes.first.leaf[ray % width]);
-    const auto face = static_cast<std::uint64_t>(changes.face[ray % width] + 1) & 0xff;
+    const auto face = static_cast<std::uint64_t>(changes.first.face[ray % width] + 1) & 0xff;
     const auto shown = static_cast<std::uint64_t>(shown_at_change(wave, ray)) & 0xffff;
     return leaf << 32 | face << 24 | shown << 8 | static_cast<std::uint64_t>(ray - wave.begin);
 }
@@ -205,7 +205,7 @@ bool PacketPaths::is_plain_at_change(const Wave& wave, int ray) const {
     const int lane = ray % width;
     const std::int32_t leaf = changes.first.leaf[lane], after = changes.after[lane];
     if (leaf < 0 || changes.first.solid[lane] < 0 || changes.before[lane] == after) return false;
-    if (world_.leaves[leaf].first_surface >= 0 && changes.face[lane] < 0) return false;
+    if (world_.leaves[leaf].first_surface >= 0 && changes.first.face[lane] < 0) return false;
     const std::int32_t shown = shown_at_change(wave, ray);
     return after < 0 || world_.insides[after].medium == shown || !world_.materials[shown].may_be_transparent;
 }
@@ -236,42 +236,9 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
         faces.departure.set(lane, faces.departure[0]), faces.key[static_cast<std::size_t>(lane)] = faces.key[0];
     }
-    if (leaf.first_surface >= 0) {
-        place_shared_faces(leaf, leading.face[leader % width], rays, t, faces);
-    } else {
-        PlacedLines placed;
-        place_lines(leaf.placement, rays, placed);
-        place_faces(leaf, rays, t, placed, faces);
-    }
+    place_faces(leaf, leading.first.face[leader % width], rays, t, faces);
     give_matter_at_changes(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
-}
-
-// LineThroughSolid::face_at for all lanes, of a face that a leaf shares: in the frame of its class's representative.
-void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t,
-                                     FacePacket& faces) {
-    const SurfaceUse& use = world_.surface_uses[leaf.first_surface + face];
-    const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
-    const Leaf& frame = world_.leaves[surface_class.leaf];
-    PlacedLines placed;
-    place_lines(frame.placement, rays, placed);
-    for (int i = 0; i < width; ++i) {
-        const Point in_frame = placed.lines.line(i).at(t[i] - placed.anchor[i]);
-        const bool near = !surface_class.whole && is_near_root(t[i], placed.anchor[i]);
-        const TwoPartPoint point =
-            near ? point_along(rays.ray(i).origin, t[i], rays.direction[i]) : frame.placement.to_parent_two_part(in_frame);
-        const Point local = &frame == &leaf && !near ? in_frame : leaf.placement.to_local(point);
-        const Normal normal = normalize(leaf.placement.to_parent(leaf.object->normal({local, face})));
-        const Vector arriving = rays.direction[i];
-        faces.anchor.set(i, point.anchor), faces.offset.set(i, point.offset);
-        const Point rounded = point.rounded();
-        faces.points.x[i] = rounded.x, faces.points.y[i] = rounded.y, faces.points.z[i] = rounded.z;
-        faces.arriving.set(i, arriving);
-        faces.geometric.set(i, dot(normal, arriving) > 0 ? -normal : normal);
-        faces.outward.set(i, use.flipped ? -normal : normal);
-    }
-    faces.departure.surface_class.fill(use.surface_class);
-    faces.shading = faces.geometric;
 }
 
 void PacketPaths::add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter) {
