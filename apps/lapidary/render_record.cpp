@@ -35,7 +35,9 @@ std::string world_line(const World& world) {
 void add_trace(const TraceStatistics& trace, std::vector<std::string>& lines) {
     lines.push_back(fmt::format("{} camera rays, {} of them not sent as nothing is in reach, {} mirrored, {} refracted",
                                 trace.camera_rays, trace.camera_rays_skipped, trace.mirrored_rays, trace.refracted_rays));
-    lines.push_back(fmt::format("{} shadow rays, {} skipped", trace.shadow_rays, trace.shadow_rays_skipped));
+    lines.push_back(fmt::format("{} shadow rays, {} of them not sent as nothing is in reach, {} skipped",
+                                trace.shadow_rays + trace.shadow_rays_spared, trace.shadow_rays_spared,
+                                trace.shadow_rays_skipped));
     const std::uint64_t rays = trace.camera_rays + trace.mirrored_rays + trace.refracted_rays + trace.shadow_rays;
     lines.push_back(fmt::format("{} tests of objects, {:.1f} a ray", trace.object_tests, share(trace.object_tests, rays)));
     if (trace.march_steps) lines.push_back(fmt::format("{} boundaries met inside transparent matter", trace.march_steps));

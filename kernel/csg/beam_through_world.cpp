@@ -5,46 +5,38 @@
 
 namespace lapidary {
 
+BeamThroughWorld::BeamThroughWorld(const World& world) : world_(world), reach_(world.hierarchy.reach()) {
+    part_.unbounded = world.unbounded;
+}
+
 void BeamThroughWorld::begin_tile(const Beam* beam) {
-    tile_.clear(), part_.clear();
-    part_is_known_ = false;
+    tile_.clear(), part_.bounded.clear();
+    part_.are_known = false;
     tile_is_known_ = beam && list_tile({*beam, world_.hierarchy.anchor(), reach_});
 }
 
 // False where there are too many.
 bool BeamThroughWorld::list_tile(const BeamAmongBoxes& beam) {
-    const std::vector<Hierarchy::Node>& nodes = world_.hierarchy.nodes();
-    std::array<std::int32_t, 128> waiting;
-    int size = 0;
-    if (!nodes.empty()) waiting[size++] = 0;
-    while (size > 0) {
-        const Hierarchy::Node& node = nodes[waiting[--size]];
-        for (std::size_t i = 0; i < 2; ++i) {
-            const std::int32_t child = node.child[i];
-            if (child == Hierarchy::no_child || !beam.may_meet(node.low[i], node.high[i])) continue;
-            if (child >= 0)
-                waiting[size++] = child;
-            else if (tile_.size() == most_of_tile)
-                return false;
-            else
-                tile_.push_back({node.low[i], node.high[i], ~child, beam.depth(node.low[i], node.high[i])});
-        }
-    }
-    std::sort(tile_.begin(), tile_.end(), [](const SolidInBeam& a, const SolidInBeam& b) { return a.depth < b.depth; });
-    return true;
+    const bool is_complete = for_each_in_reach(world_, beam, [&](const auto& low, const auto& high, std::int32_t solid) {
+        if (tile_.size() == most_of_tile) return false;
+        tile_.push_back({low, high, solid, beam.depth(low, high)});
+        return true;
+    });
+    std::sort(tile_.begin(), tile_.end(), [](const SolidInReach& a, const SolidInReach& b) { return a.depth < b.depth; });
+    return is_complete;
 }
 
 void BeamThroughWorld::begin_part(const Beam* beam) {
-    part_.clear();
-    part_is_known_ = false;
+    part_.bounded.clear();
+    part_.are_known = false;
     if (!tile_is_known_ || !beam) return;
     const BeamAmongBoxes part(*beam, world_.hierarchy.anchor(), reach_);
-    for (const SolidInBeam& solid : tile_) {
+    for (const SolidInReach& solid : tile_) {
         if (!part.may_meet(solid.low, solid.high)) continue;
-        if (part_.size() == most_of_part) return;
-        part_.push_back(solid);
+        if (part_.bounded.size() == most_of_part) return;
+        part_.bounded.push_back(solid);
     }
-    part_is_known_ = true;
+    part_.are_known = true;
 }
 
 }  // namespace lapidary

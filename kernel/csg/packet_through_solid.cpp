@@ -256,6 +256,7 @@ bool PacketThroughSolid::all_leave(const Solid& solid, const Lanes& limit) const
 }
 
 bool PacketThroughSolid::leaves_for_good(const Departure& departure, const Solid& solid) const {
+    if (!solid.is_product) return false;
     if (departure.leaf < solid.first_leaf || departure.leaf >= solid.first_leaf + solid.positive_count) return false;
     const Leaf& leaf = world_.leaves[departure.leaf];
     if (leaf.first_surface < 0) return !departure.inward;

@@ -39,6 +39,10 @@ public:
     // The packet must be filled up, and stay where it is until the next start.
     void start(const RayPacket& rays);
 
+    // Whether a ray with this departure leaves a product behind: it departs outward from a positive leaf, each of which is met in
+    // one piece.
+    bool leaves_for_good(const Departure& departure, const Solid& solid) const;
+
     // The first entry of every lane into a solid, as far as it is not beyond its limit, and the leaf entered by or, of negative
     // ones, left; -1 where that is not known. A start inside is an entry at 0.
     void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
@@ -80,7 +84,6 @@ private:
     };
 
     bool all_leave(const Solid& solid, const Lanes& limit) const;
-    bool leaves_for_good(const Departure& departure, const Solid& solid) const;
     bool is_convex(const SurfaceUse& use) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);

@@ -56,7 +56,7 @@ void hold_either(const Lanes& __restrict other, Lanes& __restrict held) {
 // The lanes among the first `count` whose flag is not 0: bit i for lane i.
 unsigned bits_of(const Lanes& flags, int count) {
     std::int64_t bits = 0;
-    for (int i = 0; i < width; ++i) bits += flags[i] != 0 ? std::int64_t{1} << i : 0;
+    for (int i = 0; i < width; ++i) bits += flags[i] != 0 ? bit_of(i) : 0;
     return static_cast<unsigned>(bits) & ((1U << count) - 1);
 }
 
@@ -85,7 +85,7 @@ unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const
         const bool is_inside = both(in[i] <= from[i], from[i] < out[i]);
         const double next = is_inside ? out[i] : (from[i] < out[i]) ? in[i] : infinity;
         t[i] = next <= limit[i] ? next : infinity;
-        inside += is_inside ? std::int64_t{1} << i : 0;
+        inside += is_inside ? bit_of(i) : 0;
     }
     return static_cast<unsigned>(inside);
 }
@@ -148,7 +148,7 @@ unsigned PacketThroughSolid::find_doubtful(const Solid& solid, const Lanes& insi
     find_further(solid.rounding, t, further);
     hold(solid.root, further, held);
     std::int64_t bits = 0;
-    for (int i = 0; i < width; ++i) bits += both(t[i] < infinity, held[i] == inside[i]) ? std::int64_t{1} << i : 0;
+    for (int i = 0; i < width; ++i) bits += both(t[i] < infinity, held[i] == inside[i]) ? bit_of(i) : 0;
     return static_cast<unsigned>(bits) & ((1U << rays_->count) - 1);
 }
 

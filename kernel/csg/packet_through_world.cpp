@@ -43,6 +43,13 @@ std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::Le
     return count;
 }
 
+// Where t is below its limit: bit i for lane i.
+unsigned lanes_within(const Lanes& t, const Lanes& limits) {
+    std::int64_t bits = 0;
+    for (int i = 0; i < PacketThroughWorld::width; ++i) bits |= t[i] < limits[i] ? bit_of(i) : 0;
+    return static_cast<unsigned>(bits);
+}
+
 }  // namespace
 
 PacketThroughWorld::PacketThroughWorld(const World& world, TraceStatistics& statistics)
@@ -145,23 +152,24 @@ bool PacketThroughWorld::is_within_limits(const FloatLanes& near) const {
     return count > 0;
 }
 
-// Calls visit(solid) for the solids that any ray may meet within its limit, of all or of those in a beam.
+// Calls visit(solid) for the solids that any ray may meet within its limit.
 template <PacketThroughWorld::Order order, class Visit>
-void PacketThroughWorld::for_each_solid(const BeamThroughWorld* beam, Visit visit) {
-    for (std::int32_t solid : world_.unbounded) visit(solid);
-    if (!beam || !beam->is_known()) {
+void PacketThroughWorld::for_each_solid(const SolidsInReach* among, Visit visit) {
+    const bool all = !among || !among->are_known;
+    for (std::int32_t solid : all ? world_.unbounded : among->unbounded) visit(solid);
+    if (all) {
         walk<order>(visit);
         return;
     }
-    if (beam->solids().empty()) return;
-    if (beam->solids().size() == 1) {  // most rays that lie near one solid only meet its box
-        visit(beam->solids().front().solid);
+    if (among->bounded.empty()) return;
+    if (among->bounded.size() == 1) {  // most rays that lie near one solid only meet its box
+        visit(among->bounded.front().solid);
         return;
     }
     get_ready_for_boxes();
     FloatLanes near;
-    for (const SolidInBeam& in_beam : beam->solids())
-        if (meets(in_beam.low, in_beam.high, near)) visit(in_beam.solid);
+    for (const SolidInReach& in_reach : among->bounded)
+        if (meets(in_reach.low, in_reach.high, near)) visit(in_reach.solid);
 }
 
 template <PacketThroughWorld::Order order, class Visit>
@@ -197,13 +205,13 @@ void PacketThroughWorld::walk(Visit visit) {
     }
 }
 
-void PacketThroughWorld::first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries) {
+void PacketThroughWorld::first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries) {
     limits_.v.fill(infinity);
     boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1), boundaries.face.fill(-1);
     boundaries.starts_inside = 0;
     start(rays);
     const auto meet = [&](std::int32_t solid) { meet_solid(solid, boundaries); };
-    for_each_solid<Order::near_first>(beam, meet);
+    for_each_solid<Order::near_first>(among, meet);
     if (!world_.sheets.empty()) {
         Lanes from;
         from.v.fill(0);
@@ -266,25 +274,35 @@ void PacketThroughWorld::meet_sheets(const Lanes& from, BoundaryPacket& boundari
     }
 }
 
-unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distances) {
+unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distances, const SolidsInReach* among) {
     limits_ = distances;
     start(rays);
     unsigned blocked = 0;
-    for_each_solid<Order::any>(nullptr, [&](std::int32_t index) {
+    for_each_solid<Order::any>(among, [&](std::int32_t index) {
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
         solid_.enter(world_.solids[index], limits_, t, leaf);
-        std::int64_t hits = 0;
-        for (int i = 0; i < width; ++i) hits += t[i] < limits_[i];
+        const unsigned hits = lanes_within(t, limits_) & rays.lanes();
         if (hits == 0) return;
-        for (int i = 0; i < rays.count; ++i) {
-            if (!(t[i] < limits_[i])) continue;
+        for (unsigned rest = hits; rest != 0; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
             if (t[i] == 0) count_start_inside(rays.departure[i], statistics_);
-            blocked |= 1u << i, limits_[i] = -1;
+            limits_[i] = -1;
         }
+        blocked |= hits;
         set_limits();
     });
     return blocked | blocked_by_sheets(distances, ~blocked);
+}
+
+bool PacketThroughWorld::are_clear(const Departure& departure, const SolidsInReach& among) const {
+    const auto is_clear = [&](std::int32_t index) {
+        const Solid& solid = world_.solids[static_cast<std::size_t>(index)];
+        return (world_.features.transparency && solid.shadow == Solid::Shadow::clear) || solid_.leaves_for_good(departure, solid);
+    };
+    return among.are_known && world_.sheets.empty() &&
+           std::all_of(among.bounded.begin(), among.bounded.end(), [&](const SolidInReach& s) { return is_clear(s.solid); }) &&
+           std::all_of(among.unbounded.begin(), among.unbounded.end(), is_clear);
 }
 
 // Which of the rays `among` a packet's are blocked by sheets.
@@ -303,7 +321,7 @@ unsigned PacketThroughWorld::blocked_by_sheets(const Lanes& distances, unsigned 
 
 // ---- transparent Worlds ----------------------------------------------------------------------------------------------
 
-void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, const BeamThroughWorld* beam,
+void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, const SolidsInReach* among,
                                        ChangePacket& changes) {
     from_ = stretch.from, limits_ = stretch.limit;
     BoundaryPacket& first = changes.first;
@@ -314,7 +332,7 @@ void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& str
     starts_.first.fill(-1), starts_.second.fill(-1);
     starts_.leaves_first = 0, starts_.shared = 0;
     start(rays);
-    for_each_solid<Order::near_first>(beam, [&](std::int32_t solid) { change_at_solid(solid, changes); });
+    for_each_solid<Order::near_first>(among, [&](std::int32_t solid) { change_at_solid(solid, changes); });
     finish_changes(changes);
 }
 
@@ -330,8 +348,8 @@ CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict fo
     std::int64_t closer = 0, shared = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) {
         const double first = changes.first.t[i], t = found.t[i];
-        closer += t < first ? std::int64_t{1} << i : 0;
-        shared += both(t == first, t < infinity) ? std::int64_t{1} << i : 0;
+        closer += t < first ? bit_of(i) : 0;
+        shared += both(t == first, t < infinity) ? bit_of(i) : 0;
         changes.first.t[i] = t < first ? t : first;
         limits[i] = t < first ? t : limits[i];
     }
@@ -416,17 +434,16 @@ unsigned PacketThroughWorld::reached(std::int32_t index) {
     Lanes t;
     PacketThroughSolid::LeafLanes leaf;
     solid_.enter(world_.solids[index], limits_, t, leaf);
-    unsigned bits = 0;
-    for (int i = 0; i < width; ++i) bits |= static_cast<unsigned>(t[i] < limits_[i]) << i;
-    return bits & packet_->lanes();
+    return lanes_within(t, limits_) & packet_->lanes();
 }
 
 // What blocks does so whatever else is on the way, and what is clear changes nothing: no order has to be found out.
-PacketThroughWorld::Shadows PacketThroughWorld::shadows(const RayPacket& rays, const Lanes& distances) {
+PacketThroughWorld::Shadows PacketThroughWorld::shadows(const RayPacket& rays, const Lanes& distances,
+                                                        const SolidsInReach* among) {
     limits_ = distances;
     start(rays);
     Shadows shadows;
-    for_each_solid<Order::any>(nullptr, [&](std::int32_t index) {
+    for_each_solid<Order::any>(among, [&](std::int32_t index) {
         const Solid::Shadow shadow = world_.solids[index].shadow;
         if (shadow == Solid::Shadow::clear) return;
         const unsigned bits = reached(index);

@@ -9,10 +9,10 @@
 #include <array>
 #include <cstdint>
 
-#include "kernel/csg/beam_through_world.h"
 #include "kernel/csg/packet_through_solid.h"
 #include "kernel/csg/ray_packet.h"
 #include "kernel/csg/ray_through_world.h"
+#include "kernel/csg/solids_in_reach.h"
 
 namespace lapidary {
 
@@ -23,27 +23,32 @@ public:
     PacketThroughWorld(const World& world, TraceStatistics& statistics);
 
     // What each ray meets first in a World that has nothing transparent. Packets are filled up.
-    // `beam`: what all of the rays lie in; null: anywhere.
-    void first_boundaries(const RayPacket& rays, const BeamThroughWorld* beam, BoundaryPacket& boundaries);
+    // `among`: the solids that the rays may meet; null: all.
+    void first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries);
 
     // The lines of the last packet of rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf) { return solid_.placed_lines(leaf); }
 
-    // Whether anything lies between each ray's start and its distance: bit i for ray i. Rays with a distance below 0 are left out.
-    unsigned blocked(const RayPacket& rays, const Lanes& distances);
+    // Whether anything lies between each ray's start and its distance: bit i for ray i. Rays with a distance below 0 are left
+    // out.
+    unsigned blocked(const RayPacket& rays, const Lanes& distances, const SolidsInReach* among = nullptr);
+
+    // Whether rays with this departure, which may meet these solids only, meet none of them for certain, or only such as change
+    // nothing of light.
+    bool are_clear(const Departure& departure, const SolidsInReach& among) const;
 
     // The same for a World with transparent matter: the first change of what a ray is in, behind `from` and not beyond its limit.
     // Rays whose limit is below 0 are left out.
     struct Stretch {
         Lanes from, limit;
     };
-    void first_changes(const RayPacket& rays, const Stretch& stretch, const BeamThroughWorld* beam, ChangePacket& changes);
+    void first_changes(const RayPacket& rays, const Stretch& stretch, const SolidsInReach* among, ChangePacket& changes);
 
     // Of the rays to a light: those that are blocked, and, of the others, those that are dimmed, or may be.
     struct Shadows {
         unsigned blocked = 0, asked = 0;
     };
-    Shadows shadows(const RayPacket& rays, const Lanes& distances);
+    Shadows shadows(const RayPacket& rays, const Lanes& distances, const SolidsInReach* among = nullptr);
 
 private:
     struct alignas(64) FloatLanes {
@@ -63,7 +68,7 @@ private:
     void round_rays();
     void set_limits();
     template <Order order, class Visit>
-    void for_each_solid(const BeamThroughWorld* beam, Visit visit);
+    void for_each_solid(const SolidsInReach* among, Visit visit);
     template <Order order, class Visit>
     void walk(Visit visit);
     bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, FloatLanes& near) const;

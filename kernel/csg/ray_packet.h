@@ -23,6 +23,14 @@ struct alignas(64) Lanes {
 inline bool both(bool a, bool b) { return (static_cast<int>(a) & static_cast<int>(b)) != 0; }
 inline bool either(bool a, bool b) { return (static_cast<int>(a) | static_cast<int>(b)) != 0; }
 
+// 2^i for lane i. Sums of these over the lanes that something holds for become vector instructions; shifts do not.
+inline constexpr std::array<std::int64_t, batch_size> bits_of_lanes = [] {
+    std::array<std::int64_t, batch_size> bits{};
+    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = std::int64_t{1} << i;
+    return bits;
+}();
+constexpr std::int64_t bit_of(int lane) { return bits_of_lanes[static_cast<std::size_t>(lane)]; }
+
 struct VectorLanes {
     Lanes x, y, z;
     Vector operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }
@@ -71,10 +79,7 @@ struct RayPacket {
     }
 
     Ray ray(int lane) const {
-        return {{to_point(anchor[lane]), offset[lane]},
-                direction[lane],
-                departure[lane],
-                key[static_cast<std::size_t>(lane)]};
+        return {{to_point(anchor[lane]), offset[lane]}, direction[lane], departure[lane], key[static_cast<std::size_t>(lane)]};
     }
 
     // Lanes without a ray repeat the first one, so that arithmetic on all lanes meets nothing strange.

@@ -3,8 +3,11 @@
 // The interface of a light: what it sends toward a point, before shadow.
 #pragma once
 
+#include <optional>
+
 #include "kernel/export.h"
 #include "kernel/interfaces/object.h"
+#include "kernel/math/bounds.h"
 #include "kernel/math/colour.h"
 #include "kernel/math/vector.h"
 
@@ -54,6 +57,9 @@ public:
 
     // Light from everywhere, without direction or shadow.
     virtual bool is_ambient() const { return false; }
+    // The box that all of its light comes from; nothing for light from far away, or where that is not known. Where nothing stands
+    // between it and a face, no shadow rays are sent.
+    virtual std::optional<Bounds> place() const { return std::nullopt; }
     // A light with extent wants a sample of its own for every ray.
     virtual bool has_extent() const { return false; }
 };

@@ -124,9 +124,10 @@ inline Heading heading_along(const Vector& v) {
     const Vector scaled = scale * v;
     const double distance = length(scaled), inverse = 1 / distance;
     const bool has_direction = largest > 0 && distance < infinity;
-    return {{has_direction ? inverse * scaled.x : 0, has_direction ? inverse * scaled.y : 0, has_direction ? inverse * scaled.z : 0},
-            distance * scale_from_one(largest),
-            inverse * scale};
+    return {
+        {has_direction ? inverse * scaled.x : 0, has_direction ? inverse * scaled.y : 0, has_direction ? inverse * scaled.z : 0},
+        distance * scale_from_one(largest),
+        inverse * scale};
 }
 
 }  // namespace lapidary

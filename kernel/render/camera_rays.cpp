@@ -82,7 +82,8 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
 void CameraRays::rays_through_pinhole(const Places& __restrict places, RayPacket& __restrict packet) const {
     const View view = view_;
     VectorLanes& direction = packet.direction;
-    for (int i = 0; i < batch_size; ++i) direction.set(i, heading_along(view.forward + view.aside(places.x[i], places.y[i])).direction);
+    for (int i = 0; i < batch_size; ++i)
+        direction.set(i, heading_along(view.forward + view.aside(places.x[i], places.y[i])).direction);
     for (int i = 0; i < batch_size; ++i) packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
 }
 

@@ -39,7 +39,7 @@ void PacketPaths::Wave::fill_up() {
 }
 
 PacketPaths::PacketPaths(Tracer::Implementation& tracer)
-    : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics) {}
+    : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics), to_light_(tracer.world) {}
 
 void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
     if (waves_.empty()) waves_.push_back(std::make_unique<Wave>(world_.features.transparency));
@@ -68,11 +68,11 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
     single_faces_ = nullptr;
     std::uint64_t waiting = 0;
     for (std::size_t p = 0; p < packets; ++p) {
-        packet_.first_boundaries(wave.rays[p], beam_of(depth), wave.boundaries[p]);
+        packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p]);
         waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
     }
     collect_faces(wave, waiting, first);
-    light_faces();
+    light_faces(depth);
     finish_colours(depth);
 
     if (waves_.size() <= depth + 1 || waves_[depth + 1]->count == 0 || tracer_.is_stopped()) return;
@@ -87,7 +87,7 @@ PacketPaths::FacePacket& PacketPaths::new_faces() {
     if (face_packets_ == faces_.size()) faces_.push_back(std::make_unique<FacePacket>());
     FacePacket& faces = *faces_[face_packets_++];
     faces.count = 0;
-    faces.transparent = 0, faces.sheets = 0, faces.leaving = 0;
+    faces.transparent = 0, faces.sheets = 0, faces.leaving = 0, faces.depart_alike = false;
     return faces;
 }
 
@@ -105,11 +105,12 @@ bool PacketPaths::is_plain(const Wave& wave, int ray) const {
 std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<RaySample> first) {
     const BoundaryPacket& boundaries = wave.boundaries[packet];
     const int begin = packet * width, count = std::min(width, wave.count - begin);
-    std::uint64_t met = 0;
-    for (int lane = 0; lane < count; ++lane) met |= static_cast<std::uint64_t>(boundaries.t[lane] < infinity) << lane;
-    for (int lane = 0; lane < count; ++lane)
-        if ((met >> lane & 1) == 0) wave.colours[begin + lane] = world_.background;
     constexpr std::uint64_t all = (1u << width) - 1;
+    std::int64_t finite = 0;
+    for (int lane = 0; lane < width; ++lane) finite |= boundaries.t[lane] < infinity ? bit_of(lane) : 0;
+    const std::uint64_t with_ray = (std::uint64_t{1} << count) - 1, met = static_cast<std::uint64_t>(finite) & with_ray;
+    for (std::uint64_t rest = with_ray & ~met; rest != 0; rest &= rest - 1)
+        wave.colours[begin + std::countr_zero(rest)] = world_.background;
     if (met != all || !boundaries.are_of_one_face() || !is_plain(wave, begin)) return met;
 
     const std::int32_t index = boundaries.leaf[0];
@@ -168,6 +169,7 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
 void PacketPaths::note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
     faces.key = rays.key;
     faces.departure.fill({leaf, -1, false, Departure::no_cell});
+    faces.depart_alike = true;
     for (int lane = 0; lane < width; ++lane) {
         const int ray = faces.ray[lane];
         if (wave.starts_inside(ray)) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
@@ -305,7 +307,9 @@ PointBatch PacketPaths::points_at(const PlacedLines& __restrict placed, const La
 
 // Beside the rays' origins points are taken from there.
 void PacketPaths::NearPoints::find(const RayPacket& rays, const Lanes& t, const Lanes& anchor) {
-    for (int i = 0; i < width; ++i) lanes |= static_cast<std::uint64_t>(is_near_root(t[i], anchor[i])) << i;
+    std::int64_t found = 0;
+    for (int i = 0; i < width; ++i) found |= is_near_root(t[i], anchor[i]) ? bit_of(i) : 0;
+    lanes = static_cast<std::uint64_t>(found);
     for (std::uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         points[static_cast<std::size_t>(i)] = point_along(rays.ray(i).origin, t[i], rays.direction[i]);
@@ -474,11 +478,18 @@ void PacketPaths::FacePacket::fill_up() {
 
 // ---- lights ----------------------------------------------------------------------------------------------------------
 
-void PacketPaths::light_faces() {
+// Faces of camera rays lie close together, so that little stands between all of them and a light.
+void PacketPaths::light_faces(std::size_t depth) {
+    if (face_packets_ == 0) return;
+    const bool are_close = depth == 0;
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
     waiting_.rays.clear(), dimmed_.rays.clear();
+    const Bounds bounds = are_close ? bounds_of_faces() : Bounds::empty();
     AimedLights aimed;
     for (const auto& light : world_.lights) {
+        const std::optional<Bounds> place = are_close ? light->place() : std::nullopt;
+        if (place) to_light_.begin(bounds, *place);
+        before_light_ = place ? &to_light_.solids() : nullptr;
         for (std::size_t p = 0; p < face_packets_; ++p) {
             aim(*light, *faces_[p], aimed);
             send_shadow_rays(*faces_[p], aimed);
@@ -486,6 +497,31 @@ void PacketPaths::light_faces() {
         cast_waiting_shadows();
         cast_dimmed_shadows();
     }
+}
+
+namespace {
+
+void widen(const double (&__restrict values)[batch_size], double& low, double& high) {
+    double least = values[0], largest = values[0];
+    for (const double value : values) {
+        least = value < least ? value : least;
+        largest = value > largest ? value : largest;
+    }
+    low = least < low ? least : low;
+    high = largest > high ? largest : high;
+}
+
+}  // namespace
+
+Bounds PacketPaths::bounds_of_faces() const {
+    Bounds bounds = Bounds::empty();
+    for (std::size_t p = 0; p < face_packets_; ++p) {
+        const PointBatch& points = faces_[p]->points;
+        widen(points.x, bounds.low.x, bounds.high.x);
+        widen(points.y, bounds.low.y, bounds.high.y);
+        widen(points.z, bounds.low.z, bounds.high.z);
+    }
+    return bounds;
 }
 
 void PacketPaths::begin_light(FacePacket& faces) {
@@ -520,8 +556,9 @@ unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __r
         cosine[i] = to_normal;
         along_mirrored[i] = towards > 0 ? towards : 0;
         facing[i] = dot(faces.geometric[i], direction);
-        const bool has_radiance = either(light.r[i] != 0, either(light.g[i] != 0, light.b[i] != 0));
-        lit |= both(has_radiance, to_normal > 0) ? std::int64_t{1} << i : 0;
+        const double total = std::fabs(light.r[i]) + std::fabs(light.g[i]) + std::fabs(light.b[i]);
+        const bool has_radiance = !(total <= 0);
+        lit |= both(has_radiance, to_normal > 0) ? bit_of(i) : 0;
     }
     return static_cast<unsigned>(lit);
 }
@@ -533,7 +570,7 @@ void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, 
     std::int64_t same = 0, showing = 0;
     for (int i = 0; i < RayPacket::width; ++i) {
         same += shininess[i] == exponent;
-        showing += power_vanishes(cosine[i], shininess[i]) ? 0 : std::int64_t{1} << i;
+        showing += power_vanishes(cosine[i], shininess[i]) ? 0 : bit_of(i);
     }
     if ((static_cast<unsigned>(showing) & lit) == 0) {
         highlights.v.fill(0);
@@ -583,8 +620,8 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
     }
     std::int64_t shows = 0, faced = 0;
     for (int i = 0; i < width; ++i) {
-        shows |= either(aimed.highlight[i] > 0, aimed.diffuse[i] > 0) ? std::int64_t{1} << i : 0;
-        faced |= facing[i] > 0 ? std::int64_t{1} << i : 0;
+        shows |= either(aimed.highlight[i] > 0, aimed.diffuse[i] > 0) ? bit_of(i) : 0;
+        faced |= facing[i] > 0 ? bit_of(i) : 0;
     }
     const unsigned lit_through = faces.transparent & ~faces.sheets;
     aimed.arrives = lit & static_cast<unsigned>(shows) & (static_cast<unsigned>(faced) | lit_through);
@@ -611,7 +648,7 @@ void PacketPaths::aim_shadow_rays(const FacePacket& __restrict faces, const Aime
         if (!(ahead.v[i] > 0)) rays.departure.cell[i] = faces.cell_behind[i];
     }
     for (int i = 0; i < width; ++i) {
-        const bool is_sent = (aimed.arrives >> i & 1) != 0;
+        const bool is_sent = (aimed.arrives & bit_of(i)) != 0;
         const double distance = end_before_light(faces.points.point(i), light.distance[i]);
         shadows.distances[i] = is_sent ? distance : -1;
     }
@@ -621,6 +658,11 @@ void PacketPaths::aim_shadow_rays(const FacePacket& __restrict faces, const Aime
 void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
     constexpr int nearly_full = width / 2;
     if (aimed.arrives == 0) return;
+    if (are_clear(faces, aimed)) {
+        tracer_.statistics.shadow_rays_spared += static_cast<std::uint64_t>(std::popcount(aimed.arrives));
+        light_faces_of(aimed, aimed.arrives, faces);
+        return;
+    }
     aim_shadow_rays(faces, aimed, aimed_shadows_);
     if (std::popcount(aimed.arrives) < nearly_full) {
         for (unsigned rest = aimed.arrives; rest != 0; rest &= rest - 1) {
@@ -637,10 +679,27 @@ void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) 
     }
 }
 
+// Whether nothing lies between faces and a light for certain: of all that the ways to it come near, if anything, they leave the
+// solid that they start on.
+bool PacketPaths::are_clear(const FacePacket& faces, const AimedLights& aimed) const {
+    if (!before_light_ || !before_light_->are_known || !faces.depart_alike) return false;
+    std::int64_t inward = 0;
+    for (int i = 0; i < width; ++i) {
+        const IlluminationBatch& light = aimed.illumination;
+        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
+        inward |= dot(direction, faces.outward[i]) < 0 ? bit_of(i) : 0;
+    }
+    const unsigned inward_sent = static_cast<unsigned>(inward) & aimed.arrives;
+    if (inward_sent != 0 && inward_sent != aimed.arrives) return false;
+    Departure departure = faces.departure[0];
+    departure.inward = inward_sent != 0;
+    return packet_.are_clear(departure, *before_light_);
+}
+
 PacketThroughWorld::Shadows PacketPaths::find_shadows(const RayPacket& rays, const Lanes& distances) {
     for (const double distance : distances.v) tracer_.statistics.shadow_rays += distance >= 0 ? 1 : 0;
-    if (world_.features.transparency) return packet_.shadows(rays, distances);
-    return {packet_.blocked(rays, distances), 0};
+    if (world_.features.transparency) return packet_.shadows(rays, distances, before_light_);
+    return {packet_.blocked(rays, distances, before_light_), 0};
 }
 
 void PacketPaths::Shadows::add(const AimedShadows& shadows, const AimedLights& lights, FacePacket& to, int from) {
@@ -684,7 +743,7 @@ void PacketPaths::cast_waiting_shadows() {
 void PacketPaths::light_faces_of(const AimedLights& __restrict aimed, unsigned lanes, FacePacket& __restrict faces) {
     const IlluminationBatch& light = aimed.illumination;
     Lanes is_lit;
-    for (int i = 0; i < width; ++i) is_lit[i] = static_cast<int>(lanes >> i & 1);
+    for (int i = 0; i < width; ++i) is_lit[i] = (lanes & bit_of(i)) != 0 ? 1 : 0;
     for (int i = 0; i < width; ++i) {
         const bool lit = is_lit[i] != 0;
         const double diffuse = aimed.diffuse[i], highlight = aimed.highlight[i];

@@ -18,6 +18,7 @@
 
 #include "kernel/csg/packet_through_world.h"
 #include "kernel/csg/placed_lines.h"
+#include "kernel/csg/shaft_through_world.h"
 #include "kernel/interfaces/light.h"
 #include "kernel/render/tracer_implementation.h"
 
@@ -104,6 +105,7 @@ private:
         Lanes travelled, reflection, shininess;
         ColourLanes colour, ambient, diffuse, highlight;
         DepartureLanes departure;
+        bool depart_alike;  // all of the same face
         std::array<SampleKey, width> key;
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
@@ -156,7 +158,7 @@ private:
         void take(const Shadows& other, int from);
     };
 
-    const BeamThroughWorld* beam_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam : nullptr; }
+    const SolidsInReach* in_reach_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam.solids() : nullptr; }
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
     void trace_wave(std::size_t depth, std::span<RaySample> first);
     std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<RaySample> first);
@@ -181,11 +183,13 @@ private:
     static void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
     static void round_points(FacePacket& faces);
     void give_matter(const MaterialInstance& material, FacePacket& faces);
-    void light_faces();
+    void light_faces(std::size_t depth);
     void begin_light(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
     static void aim_shadow_rays(const FacePacket& faces, const AimedLights& aimed, AimedShadows& shadows);
+    Bounds bounds_of_faces() const;
+    bool are_clear(const FacePacket& faces, const AimedLights& aimed) const;
     PacketThroughWorld::Shadows find_shadows(const RayPacket& rays, const Lanes& distances);
     static void light_faces_of(const AimedLights& aimed, unsigned lanes, FacePacket& faces);
     void cast_waiting_shadows();
@@ -197,7 +201,7 @@ private:
     // Through transparent matter.
     void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
     void trace_portion(std::size_t depth, std::span<RaySample> first);
-    void find_changes(Wave& wave, const BeamThroughWorld* beam);
+    void find_changes(Wave& wave, const SolidsInReach* among);
     void collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first);
     enum class Meeting : std::uint8_t { nothing, no_face, plain_face, single_face };
     Meeting go_to_change(Wave& wave, int ray, std::span<RaySample> first);
@@ -230,6 +234,8 @@ private:
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;
+    ShaftThroughWorld to_light_;                   // of the light under way
+    const SolidsInReach* before_light_ = nullptr;  // what may lie before it; null: anything
     AimedShadows aimed_shadows_;
     Shadows waiting_;  // for company
     Shadows dimmed_;   // that meet matter which may dim them

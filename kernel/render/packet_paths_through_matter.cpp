@@ -33,12 +33,12 @@ void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySamp
 
 void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
-    find_changes(wave, beam_of(depth));
+    find_changes(wave, in_reach_of(depth));
     face_packets_ = 0;
     next.clear();
     wave.contributions.clear();
     collect_faces_at_changes(wave, next, first);
-    light_faces();
+    light_faces(depth);
     for (std::size_t p = 0; p < face_packets_; ++p) divide_light(wave, next, *faces_[p]);
 
     if (next.count > 0 && !tracer_.is_stopped()) trace_wave_through_matter(depth + 1, {});
@@ -47,11 +47,11 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = wave.gathered[i] + wave.passed[i] * wave.colours[i];
 }
 
-void PacketPaths::find_changes(Wave& wave, const BeamThroughWorld* beam) {
+void PacketPaths::find_changes(Wave& wave, const SolidsInReach* among) {
     const std::size_t begin = static_cast<std::size_t>(wave.begin) / width;
     const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
     for (std::size_t p = 0; p < packets; ++p)
-        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], beam, wave.changes[p]);
+        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], among, wave.changes[p]);
 }
 
 // ---- faces -----------------------------------------------------------------------------------------------------------
@@ -236,6 +236,7 @@ void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::u
         t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
         faces.departure.set(lane, faces.departure[0]), faces.key[static_cast<std::size_t>(lane)] = faces.key[0];
     }
+    faces.depart_alike = true;
     place_faces(leaf, leading.first.face[leader % width], rays, t, faces);
     give_matter_at_changes(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
@@ -312,7 +313,7 @@ void PacketPaths::cast_dimmed_shadows() {
     for (int lane = 0; lane < dimmed_.rays.count; ++lane) stretch.limit[lane] = dimmed_.to_light[lane];
 
     for (unsigned under_way = all; under_way != 0;) {
-        packet_.first_changes(dimmed_.rays, stretch, nullptr, changes);
+        packet_.first_changes(dimmed_.rays, stretch, before_light_, changes);
         for (unsigned rest = under_way; rest != 0; rest &= rest - 1) {
             const int lane = std::countr_zero(rest);
             const bool goes_on = dim(lane, changes, stretch.from[lane], passed[lane]);

@@ -15,7 +15,8 @@ namespace lapidary {
 TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
     camera_rays += o.camera_rays, mirrored_rays += o.mirrored_rays, refracted_rays += o.refracted_rays;
     camera_rays_skipped += o.camera_rays_skipped;
-    shadow_rays += o.shadow_rays, shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
+    shadow_rays += o.shadow_rays, shadow_rays_spared += o.shadow_rays_spared;
+    shadow_rays_skipped += o.shadow_rays_skipped, object_tests += o.object_tests;
     non_finite_samples += o.non_finite_samples, first_cell_disagreements += o.first_cell_disagreements;
     march_steps += o.march_steps, slivers_removed += o.slivers_removed, octaves_faded += o.octaves_faded;
     return *this;

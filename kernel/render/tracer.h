@@ -41,6 +41,7 @@ struct RaySample {
 struct TraceStatistics {
     std::uint64_t camera_rays = 0, mirrored_rays = 0, refracted_rays = 0, shadow_rays = 0;
     std::uint64_t camera_rays_skipped = 0;       // in parts of the picture where nothing is in reach
+    std::uint64_t shadow_rays_spared = 0;        // nothing is in reach on their way: not sent either
     std::uint64_t shadow_rays_skipped = 0;       // lights that send nothing to the point
     std::uint64_t object_tests = 0;              // calls of Object::spans (a batch counts its lanes)
     std::uint64_t slivers_removed = 0;           // cells of rounding length between different surfaces (rule S)

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 
+#include "kernel/csg/beam_through_world.h"
 #include "kernel/csg/ray_through_world.h"
 #include "kernel/interfaces/light.h"
 #include "kernel/prepare/world.h"

@@ -30,6 +30,7 @@ public:
     }
 
     bool has_extent() const override { return radius_ > 0; }
+    std::optional<Bounds> place() const override { return ball_bounds(location_, radius_); }
 
 private:
     Colour colour_ = Colour::white();

@@ -57,6 +57,7 @@ public:
     }
 
     bool has_extent() const override { return radius_ > 0; }
+    std::optional<Bounds> place() const override { return ball_bounds(location_, radius_); }
 
 private:
     // Chosen instead of returned early, so that a loop over points stays vector instructions.

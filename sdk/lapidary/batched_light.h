@@ -51,9 +51,8 @@ private:
             return Nothing{};
     }
     static constexpr bool may_have_extent() {
-        return requires(const Kind& kind, const Point& point, const LightSample& sample) {
-            kind.from_sample(point, sample);
-        } || requires(const Kind& kind, const Point& point, const LightSample& sample) {
+        return requires(const Kind& kind, const Point& point, const LightSample& sample) { kind.from_sample(point, sample); }
+        || requires(const Kind& kind, const Point& point, const LightSample& sample) {
             kind.from_sample(point, sample, kind.common());
         };
     }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "kernel/interfaces/light.h"
+#include "kernel/math/bounds.h"
 #include "kernel/math/vector.h"
 
 namespace lapidary {
@@ -18,6 +19,12 @@ namespace lapidary {
 inline double inverse_square(double intensity, double distance) {
     const double light = intensity / distance / distance;
     return light < std::numeric_limits<double>::max() ? light : std::numeric_limits<double>::max();
+}
+
+// The box around a ball; around a point, where the radius is 0.
+inline Bounds ball_bounds(const Point& centre, double radius) {
+    const Vector half{radius, radius, radius};
+    return {centre - half, centre + half};
 }
 
 // A sample as a place in the unit disc, equal areas for equal areas, the middle for (1/2, 1/2): the square's concentric

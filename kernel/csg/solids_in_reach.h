@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+//
+// The solids that rays of some kind may meet, found once for all of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/prepare/world.h"
+
+namespace lapidary {
+
+// A bounded solid and its box, relative to the anchor of the World's hierarchy.
+struct SolidInReach {
+    std::array<float, 3> low, high;
+    std::int32_t solid;
+    double depth;  // where the box begins
+};
+
+struct SolidsInReach {
+    bool are_known = false;  // else they may be any of the World's
+    std::vector<SolidInReach> bounded;
+    std::vector<std::int32_t> unbounded;
+};
+
+// Calls visit(low, high, solid) for the bounded solids whose boxes `region` may meet, until it answers false; whether it never
+// did.
+template <class Region, class Visit>
+bool for_each_in_reach(const World& world, const Region& region, Visit visit) {
+    const std::vector<Hierarchy::Node>& nodes = world.hierarchy.nodes();
+    std::array<std::int32_t, 128> waiting;
+    std::size_t size = 0;
+    if (!nodes.empty()) waiting[size++] = 0;
+    while (size > 0) {
+        const Hierarchy::Node& node = nodes[static_cast<std::size_t>(waiting[--size])];
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::int32_t child = node.child[i];
+            if (child == Hierarchy::no_child || !region.may_meet(node.low[i], node.high[i])) continue;
+            if (child >= 0)
+                waiting[size++] = child;
+            else if (!visit(node.low[i], node.high[i], ~child))
+                return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace lapidary
