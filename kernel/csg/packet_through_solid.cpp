@@ -17,23 +17,9 @@ namespace {
 double lesser(double a, double b) { return a < b ? a : b; }
 double greater(double a, double b) { return a > b ? a : b; }
 
-// By halves, as vectors are folded.
-template <std::size_t count, class Choose>
-double fold(const std::array<double, count>& values, Choose choose) {
-    if constexpr (count == 1) {
-        return values[0];
-    } else {
-        std::array<double, count / 2> half;
-        for (std::size_t i = 0; i < half.size(); ++i) half[i] = choose(values[i], values[half.size() + i]);
-        return fold(half, choose);
-    }
-}
-double least(const Lanes& lanes) { return fold(lanes.v, lesser); }
-double largest(const Lanes& lanes) { return fold(lanes.v, greater); }
-
 // Intersects what is left of each lane, from t to first_out, with a leaf's span. Returns how many lanes are left. A leaf that is
 // alone is met even where t, at a distance, no longer tells its ends apart.
-std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, bool alone,
+[[gnu::noinline]] std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, bool alone,
                     const Lanes& __restrict limit, Lanes& __restrict t, Lanes& __restrict first_out,
                     PacketThroughSolid::LeafLanes& __restrict leaf) {
     std::int64_t left = 0;
@@ -50,7 +36,7 @@ std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std
 }
 
 // Intersects spans with others; returns how many are not empty.
-std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __restrict other_out, Lanes& __restrict in,
+[[gnu::noinline]] std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __restrict other_out, Lanes& __restrict in,
                              Lanes& __restrict out) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
@@ -61,45 +47,59 @@ std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __re
     return left;
 }
 
-// The surfaces that ends of spans are on: of the later of two entries, and of the earlier of two exits; -1 for both at once.
-void name_later(const Lanes& __restrict in, const Lanes& __restrict other, std::int64_t surface,
-                PacketThroughSolid::LeafLanes& __restrict name) {
+// Empty spans end before they begin.
+[[gnu::noinline]] void mark_empty(Lanes& __restrict in, Lanes& __restrict out) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        const std::int64_t kept = other[i] == in[i] ? -1 : name[i];
-        name[i] = other[i] > in[i] ? surface : kept;
+        const double begin = in[i], end = out[i];
+        in[i] = begin < end ? begin : infinity;
+        out[i] = begin < end ? end : -infinity;
     }
 }
-void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, std::int64_t surface,
+
+// The surfaces that ends of spans are on: of the later of two entries, and of the earlier of two exits; -1 for both at once.
+[[gnu::noinline]] void name_later(const Lanes& __restrict in, const Lanes& __restrict other, std::int64_t surface,
+                PacketThroughSolid::LeafLanes& __restrict name) {
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double begin = in[i], other_begin = other[i];
+        const std::int64_t named = name[i], kept = other_begin == begin ? -1 : named;
+        name[i] = other_begin > begin ? surface : kept;
+    }
+}
+[[gnu::noinline]] void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, std::int64_t surface,
                   PacketThroughSolid::LeafLanes& __restrict name) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        const std::int64_t kept = other[i] == out[i] ? -1 : name[i];
-        name[i] = other[i] < out[i] ? surface : kept;
+        const double end = out[i], other_end = other[i];
+        const std::int64_t named = name[i], kept = other_end == end ? -1 : named;
+        name[i] = other_end < end ? surface : kept;
     }
 }
 
 // The surface that lines meet at t, where none is named before.
-void name_met(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t surface, const Lanes& __restrict t,
+[[gnu::noinline]] void name_met(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t surface, const Lanes& __restrict t,
               PacketThroughSolid::LeafLanes& __restrict name) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        const bool is_met = either(in[i] == t[i], out[i] == t[i]);
-        name[i] = both(is_met, name[i] < 0) ? surface : name[i];
+        const std::int64_t named = name[i], if_met = named < 0 ? surface : named;
+        const std::int64_t at_exit = out[i] == t[i] ? if_met : named;
+        name[i] = in[i] == t[i] ? if_met : at_exit;
     }
 }
 
 // Lanes that a negative leaf holds again a sliver's length beyond t are doubtful; where another one ends at t, too, whose face it
 // is is not known.
-void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
+[[gnu::noinline]] void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
                    const Lanes& __restrict further, Lanes& __restrict doubtful, PacketThroughSolid::LeafLanes& __restrict leaf) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], end = out[i], at = t[i], beyond = further[i];
         const std::int64_t shown = leaf[i];
-        doubtful[i] = both(begin <= beyond, beyond < end) ? 1 : doubtful[i];
-        leaf[i] = both(end == at, shown != index) ? -1 : shown;
+        const double if_begun = beyond < end ? 1 : doubtful[i];
+        doubtful[i] = begin <= beyond ? if_begun : doubtful[i];
+        const std::int64_t if_ends = shown == index ? shown : -1;
+        leaf[i] = end == at ? if_ends : shown;
     }
 }
 
 // Moves the lanes that a negative leaf holds to its exit; returns how many there were.
-std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, Lanes& __restrict t,
+[[gnu::noinline]] std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, Lanes& __restrict t,
                         Lanes& __restrict moved, PacketThroughSolid::LeafLanes& __restrict leaf) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
@@ -114,17 +114,18 @@ std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out,
 }
 
 // Lanes that were moved are lost where they went beyond their end.
-void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out, const Lanes& __restrict limit,
+[[gnu::noinline]] void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out, const Lanes& __restrict limit,
                Lanes& __restrict t) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double at = t[i], end = first_out[i], most = limit[i], was_moved = moved[i];
-        const bool remains = both(at < end, at <= most);
-        t[i] = either(was_moved == 0, remains) ? at : infinity;
+        const double before_end = at < end ? at : infinity;
+        const double remaining = at <= most ? before_end : infinity;
+        t[i] = was_moved > 0 ? remaining : at;
     }
 }
 
 // Spans along the local lines as spans of the world's t; empty ones end before they begin.
-void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
+[[gnu::noinline]] void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
                         Lanes& __restrict out) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const bool empty = !(spans.in[i] < spans.out[i]);
@@ -133,7 +134,7 @@ void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restri
     }
 }
 
-bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
+[[gnu::noinline]] bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
     std::int64_t near = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double nearer = lesser(std::fabs(in[i]), std::fabs(out[i]));
@@ -143,7 +144,7 @@ bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
 }
 
 // Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P).
-void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane, double side_of_shift,
+[[gnu::noinline]] void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane, double side_of_shift,
                      Lanes& __restrict in, Lanes& __restrict out) {
     const LineBatch& lines = placed.lines;
     const double a = plane.a, b = plane.b, c = plane.c, d = plane.d;
@@ -161,7 +162,7 @@ void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __rest
 }
 
 // Half-lines become those on the other side of a plane, with the same t; everything becomes nothing.
-void turn_over(Lanes& __restrict in, Lanes& __restrict out) {
+[[gnu::noinline]] void turn_over(Lanes& __restrict in, Lanes& __restrict out) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double old_in = in[i], old_out = out[i], end = old_out < infinity ? infinity : -infinity;
         in[i] = old_in > -infinity ? -infinity : old_out;
@@ -448,8 +449,7 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, L
         }
         left = intersect_spans(surface_in, surface_out, in, out);
     }
-    for (int i = 0; i < width; ++i)
-        if (!(in[i] < out[i])) in[i] = infinity, out[i] = -infinity;
+    mark_empty(in, out);
 }
 
 void PacketThroughSolid::find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face) {

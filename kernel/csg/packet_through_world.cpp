@@ -11,6 +11,8 @@
 
 namespace lapidary {
 
+// Loops over lanes stand in functions of their own, which are not to be put into others: there g++ may take them apart into
+// single numbers before it looks for vectors.
 namespace {
 
 constexpr float largest_float = std::numeric_limits<float>::max();
@@ -20,7 +22,7 @@ float greater(float a, float b) { return a > b ? a : b; }
 
 // Puts a solid's boundaries where they come first; returns in how many lanes. Of boundaries at the same place, that of the solid
 // written first counts.
-std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf, std::int32_t solid,
+[[gnu::noinline]] std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf, std::int32_t solid,
                          BoundaryPacket& __restrict boundaries, Lanes& __restrict limits) {
     std::array<std::int64_t, PacketThroughWorld::width> first_solid;
     Lanes closer;
@@ -44,7 +46,7 @@ std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::Le
 }
 
 // Where t is below its limit: bit i for lane i.
-unsigned lanes_within(const Lanes& t, const Lanes& limits) {
+[[gnu::noinline]] unsigned lanes_within(const Lanes& t, const Lanes& limits) {
     std::int64_t bits = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) bits |= t[i] < limits[i] ? bit_of(i) : 0;
     return static_cast<unsigned>(bits);
@@ -111,11 +113,16 @@ void PacketThroughWorld::round_rays() {
 }
 
 void PacketThroughWorld::set_limits() {
-    if (!is_ready_for_boxes_) return;
+    if (is_ready_for_boxes_) round_limits(limits_, shifts_, float_limits_);
+}
+
+// From where t counts for boxes, rounded up; below 0 where it is.
+[[gnu::noinline]] void PacketThroughWorld::round_limits(const Lanes& __restrict limits, const Lanes& __restrict shifts,
+                                      FloatLanes& __restrict rounded) {
     for (int i = 0; i < width; ++i) {
-        const double limit = limits_[i] - shifts_[i] + 0x1p-50 * shifts_[i];
-        const float rounded = float_above(limit);
-        float_limits_[i] = limits_[i] >= 0 ? lesser(rounded, largest_float) : -1;
+        const double limit = limits[i], shift = shifts[i];
+        const double shifted = limit - shift + 0x1p-50 * shift;
+        rounded[i] = lesser(float_above(limit >= 0 ? shifted : -1), largest_float);
     }
 }
 
@@ -140,15 +147,16 @@ bool PacketThroughWorld::meets(const std::array<float, 3>& lowest, const std::ar
 }
 
 // How many more rays reach the second of two boxes before the first than the other way round.
-int PacketThroughWorld::votes_for_second(const FloatLanes& first, const FloatLanes& second) {
-    int votes = 0;
-    for (int i = 0; i < width; ++i) votes += (second[i] < first[i]) - (first[i] < second[i]);
-    return votes;
+[[gnu::noinline]] int PacketThroughWorld::votes_for_second(const FloatLanes& __restrict first, const FloatLanes& __restrict second) {
+    std::int32_t for_first = 0, for_second = 0;
+    for (int i = 0; i < width; ++i) for_first += first[i] < second[i] ? 1 : 0;
+    for (int i = 0; i < width; ++i) for_second += second[i] < first[i] ? 1 : 0;
+    return for_second - for_first;
 }
 
-bool PacketThroughWorld::is_within_limits(const FloatLanes& near) const {
-    int count = 0;
-    for (int i = 0; i < width; ++i) count += near[i] <= float_limits_[i];
+[[gnu::noinline]] bool PacketThroughWorld::is_within(const FloatLanes& __restrict near, const FloatLanes& __restrict limits) {
+    std::int32_t count = 0;
+    for (int i = 0; i < width; ++i) count += near[i] <= limits[i] ? 1 : 0;
     return count > 0;
 }
 
@@ -200,7 +208,7 @@ void PacketThroughWorld::walk(Visit visit) {
         for (bool found = false; !found;) {
             if (size == 0) return;
             child = children_[--size];
-            found = is_within_limits(nears_[size]);
+            found = is_within(nears_[static_cast<std::size_t>(size)], float_limits_);
         }
     }
 }
@@ -343,7 +351,7 @@ struct CloserLanes {
     unsigned closer, shared;
 };
 
-CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict found, ChangePacket& __restrict changes,
+[[gnu::noinline]] CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict found, ChangePacket& __restrict changes,
                                 Lanes& __restrict limits) {
     std::int64_t closer = 0, shared = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) {

@@ -67,6 +67,7 @@ private:
     void get_ready_for_boxes();
     void round_rays();
     void set_limits();
+    static void round_limits(const Lanes& limits, const Lanes& shifts, FloatLanes& rounded);
     template <Order order, class Visit>
     void for_each_solid(const SolidsInReach* among, Visit visit);
     template <Order order, class Visit>
@@ -74,7 +75,7 @@ private:
     bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, FloatLanes& near) const;
     static int votes_for_second(const FloatLanes& first, const FloatLanes& second);
     // Whether any ray reaches a box within its limit.
-    bool is_within_limits(const FloatLanes& near) const;
+    static bool is_within(const FloatLanes& near, const FloatLanes& limits);
     void meet_solid(std::int32_t index, BoundaryPacket& boundaries);
     void name_shared_faces(BoundaryPacket& boundaries);
     void meet_sheets(const Lanes& from, BoundaryPacket& boundaries);

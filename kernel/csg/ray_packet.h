@@ -31,6 +31,25 @@ inline constexpr std::array<std::int64_t, batch_size> bits_of_lanes = [] {
 }();
 constexpr std::int64_t bit_of(int lane) { return bits_of_lanes[static_cast<std::size_t>(lane)]; }
 
+// The least and the largest number of all lanes: by halves, as vectors are folded.
+template <class Choose>
+double fold_lanes(const double* __restrict v, Choose choose) {
+    static_assert(batch_size == 16);
+    std::array<double, 8> eight;
+    for (std::size_t i = 0; i < 8; ++i) eight[i] = choose(v[i], v[8 + i]);
+    std::array<double, 4> four;
+    for (std::size_t i = 0; i < 4; ++i) four[i] = choose(eight[i], eight[4 + i]);
+    return choose(choose(four[0], four[2]), choose(four[1], four[3]));
+}
+inline double least(const double* lanes) {
+    return fold_lanes(lanes, [](double a, double b) { return a < b ? a : b; });
+}
+inline double largest(const double* lanes) {
+    return fold_lanes(lanes, [](double a, double b) { return a > b ? a : b; });
+}
+inline double least(const Lanes& lanes) { return least(lanes.v.data()); }
+inline double largest(const Lanes& lanes) { return largest(lanes.v.data()); }
+
 struct VectorLanes {
     Lanes x, y, z;
     Vector operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }

@@ -11,7 +11,7 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <cstdint>
 
 #include "kernel/math/bounds.h"
 
@@ -26,42 +26,52 @@ public:
         const double slack = 0x1p-46 * (size_of(from) + size_of(to) + largest_magnitude(anchor) + reach);
         const Vector from_low = from.low - anchor, from_high = from.high - anchor;
         const Vector to_low = to.low - anchor, to_high = to.high - anchor;
-        below_ = {Side(from_low.x, to_low.x, slack), Side(from_low.y, to_low.y, slack), Side(from_low.z, to_low.z, slack)};
-        above_ = {Side(-from_high.x, -to_high.x, slack), Side(-from_high.y, -to_high.y, slack),
-                  Side(-from_high.z, -to_high.z, slack)};
+        add(Corner::high, 0, from_low.x - slack, to_low.x - from_low.x);
+        add(Corner::high, 1, from_low.y - slack, to_low.y - from_low.y);
+        add(Corner::high, 2, from_low.z - slack, to_low.z - from_low.z);
+        add(Corner::low, 0, from_high.x + slack, to_high.x - from_high.x);
+        add(Corner::low, 1, from_high.y + slack, to_high.y - from_high.y);
+        add(Corner::low, 2, from_high.z + slack, to_high.z - from_high.z);
     }
 
     // Whether any way may meet a box. What is no number counts as met.
-    template <class Corner>
-    bool may_meet(const Corner& low, const Corner& high) const {
+    template <class Triple>
+    bool may_meet(const Triple& low, const Triple& high) const {
         constexpr double rounding = 0x1p-40;
-        Part part{-rounding, 1 + rounding};
-        for (std::size_t i = 0; i < 3; ++i) below_[i].limit(high[i], part), above_[i].limit(-double{low[i]}, part);
-        return !(part.first > part.last);
+        const std::array<double, 6> corners{low[0], low[1], low[2], high[0], high[1], high[2]};
+        double first = -rounding, last = 1 + rounding;
+        for (std::size_t i = 0; i < first_count_; ++i) {
+            const double bound = firsts_[i].at(corners);
+            first = bound > first ? bound : first;
+        }
+        for (std::size_t i = 0; i < last_count_; ++i) {
+            const double bound = lasts_[i].at(corners);
+            last = bound < last ? bound : last;
+        }
+        return !(first > last);
     }
 
 private:
-    // From which part of the way to which.
-    struct Part {
-        double first, last;
-    };
-    // A coordinate that runs evenly along the way, and has to stay at or below a limit.
-    struct Side {
-        double begin = 0, slope = 0, inverse_slope = 0;
-
-        Side() = default;
-        Side(double from, double to, double slack) : begin(from - slack), slope(to - from), inverse_slope(1 / slope) {}
-        void limit(double most, Part& part) const {
-            const double room = most - begin, bound = room * inverse_slope;
-            if (slope > 0 && bound < part.last) part.last = bound;
-            if (slope < 0 && bound > part.first) part.first = bound;
-            if (slope == 0 && room < 0) part.last = -infinity;
-        }
+    enum class Corner : std::uint8_t { low = 0, high = 3 };
+    // The part of the way at which a coordinate that runs evenly comes to that of a box's corner.
+    struct Bound {
+        double begin = 0, inverse_slope = 0;
+        std::size_t corner = 0;
+        double at(const std::array<double, 6>& corners) const { return (corners[corner] - begin) * inverse_slope; }
     };
 
+    // What runs toward its corner ends there, what comes from beyond it begins there; what stands still is on the right side
+    // always or never.
+    void add(Corner corner, std::size_t axis, double begin, double slope) {
+        const double side = corner == Corner::high ? 1 : -1;  // low sides stay below the high corner, high ones above the low
+        const double inverse = slope != 0 ? 1 / slope : side * 1e300;
+        const Bound bound{begin, inverse, static_cast<std::size_t>(corner) + axis};
+        (inverse * side > 0 ? lasts_[last_count_++] : firsts_[first_count_++]) = bound;
+    }
     static double size_of(const Bounds& box) { return largest_magnitude(box.low) + largest_magnitude(box.high); }
 
-    std::array<Side, 3> below_, above_;
+    std::array<Bound, 6> firsts_, lasts_;
+    std::size_t first_count_ = 0, last_count_ = 0;
 };
 
 }  // namespace lapidary

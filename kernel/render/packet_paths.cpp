@@ -499,27 +499,12 @@ void PacketPaths::light_faces(std::size_t depth) {
     }
 }
 
-namespace {
-
-void widen(const double (&__restrict values)[batch_size], double& low, double& high) {
-    double least = values[0], largest = values[0];
-    for (const double value : values) {
-        least = value < least ? value : least;
-        largest = value > largest ? value : largest;
-    }
-    low = least < low ? least : low;
-    high = largest > high ? largest : high;
-}
-
-}  // namespace
-
 Bounds PacketPaths::bounds_of_faces() const {
     Bounds bounds = Bounds::empty();
     for (std::size_t p = 0; p < face_packets_; ++p) {
         const PointBatch& points = faces_[p]->points;
-        widen(points.x, bounds.low.x, bounds.high.x);
-        widen(points.y, bounds.low.y, bounds.high.y);
-        widen(points.z, bounds.low.z, bounds.high.z);
+        bounds = unite(bounds, Bounds{{least(points.x), least(points.y), least(points.z)},
+                                      {largest(points.x), largest(points.y), largest(points.z)}});
     }
     return bounds;
 }
