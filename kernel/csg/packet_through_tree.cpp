@@ -15,52 +15,55 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 // Loops over lanes stand apart from all else, without branches and with nothing that overlaps: so they become vector
 // instructions.
 
-void take_lesser(const Lanes& __restrict other, Lanes& __restrict t) {
+[[gnu::noinline]] void take_lesser(const Lanes& __restrict other, Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) t[i] = other[i] < t[i] ? other[i] : t[i];
 }
 
-bool differ(const Lanes& a, const Lanes& b) {
+[[gnu::noinline]] bool differ(const Lanes& a, const Lanes& b) {
     std::int64_t different = 0;
     for (int i = 0; i < width; ++i) different += a[i] != b[i];
     return different > 0;
 }
 
-void enter_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
+[[gnu::noinline]] void enter_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) {
         const double later = in[i] > t[i] ? in[i] : t[i];
         t[i] = t[i] < out[i] ? later : infinity;
     }
 }
 
-void leave_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
+[[gnu::noinline]] void leave_span(const Lanes& __restrict in, const Lanes& __restrict out, Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) {
-        const bool held = both(in[i] <= t[i], t[i] < out[i]);
-        t[i] = held ? out[i] : t[i];
+        const double at = t[i], end = out[i], if_held = at < end ? end : at;
+        t[i] = in[i] <= at ? if_held : at;
     }
 }
 
-void hold_span(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict t, Lanes& __restrict held) {
-    for (int i = 0; i < width; ++i) held[i] = both(in[i] <= t[i], t[i] < out[i]) ? 1 : 0;
+[[gnu::noinline]] void hold_span(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict t, Lanes& __restrict held) {
+    for (int i = 0; i < width; ++i) {
+        const double before_end = t[i] < out[i] ? 1 : 0;
+        held[i] = in[i] <= t[i] ? before_end : 0;
+    }
 }
 
-void hold_both(const Lanes& __restrict other, Lanes& __restrict held) {
+[[gnu::noinline]] void hold_both(const Lanes& __restrict other, Lanes& __restrict held) {
     for (int i = 0; i < width; ++i) held[i] = held[i] * other[i];
 }
-void hold_without(const Lanes& __restrict other, Lanes& __restrict held) {
+[[gnu::noinline]] void hold_without(const Lanes& __restrict other, Lanes& __restrict held) {
     for (int i = 0; i < width; ++i) held[i] = held[i] * (1 - other[i]);
 }
-void hold_either(const Lanes& __restrict other, Lanes& __restrict held) {
+[[gnu::noinline]] void hold_either(const Lanes& __restrict other, Lanes& __restrict held) {
     for (int i = 0; i < width; ++i) held[i] = held[i] > other[i] ? held[i] : other[i];
 }
 
 // The lanes among the first `count` whose flag is not 0: bit i for lane i.
-unsigned bits_of(const Lanes& flags, int count) {
+[[gnu::noinline]] unsigned bits_of(const Lanes& flags, int count) {
     std::int64_t bits = 0;
     for (int i = 0; i < width; ++i) bits += flags[i] != 0 ? bit_of(i) : 0;
     return static_cast<unsigned>(bits) & ((1U << count) - 1);
 }
 
-void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, const Lanes& __restrict limit, Lanes& __restrict t) {
+[[gnu::noinline]] void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, const Lanes& __restrict limit, Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) {
         const double change = inside[i] != 0 ? way_out[i] : t[i];
         t[i] = change <= limit[i] ? change : infinity;
@@ -68,34 +71,54 @@ void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, con
 }
 
 // Counts the leaves with an end at t.
-void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
+[[gnu::noinline]] void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
                 LeafLanes& __restrict leaf, LeafLanes& __restrict ends) {
     for (int i = 0; i < width; ++i) {
-        const bool ends_here = either(in[i] == t[i], out[i] == t[i]);
-        leaf[i] = ends_here ? index : leaf[i];
-        ends[i] += ends_here ? 1 : 0;
+        const double at = t[i], begin = in[i], end = out[i];
+        const std::int64_t shown = leaf[i], if_end = end == at ? index : shown;
+        leaf[i] = begin == at ? index : if_end;
+        const std::int64_t is_end = end == at ? 1 : 0;
+        ends[i] += begin == at ? 1 : is_end;
     }
 }
 
 // The end of a span behind `from`, and the lanes that are inside there.
-unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict from,
+[[gnu::noinline]] unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict from,
                   const Lanes& __restrict limit, Lanes& __restrict t) {
     std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) {
-        const bool is_inside = both(in[i] <= from[i], from[i] < out[i]);
-        const double next = is_inside ? out[i] : (from[i] < out[i]) ? in[i] : infinity;
+        const double begin = in[i], end = out[i], at = from[i];
+        const double of_span = begin <= at ? end : begin, next = at < end ? of_span : infinity;
         t[i] = next <= limit[i] ? next : infinity;
-        inside += is_inside ? bit_of(i) : 0;
+        const std::int64_t if_begun = begin <= at ? bit_of(i) : 0;
+        inside += at < end ? if_begun : 0;
     }
     return static_cast<unsigned>(inside);
 }
 
-void choose_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
+[[gnu::noinline]] void choose_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
                   PacketThroughSolid::Changes& __restrict changes) {
-    for (int i = 0; i < width; ++i) changes.face[i] = in[i] == changes.t[i] ? in_face[i] : out_face[i];
+    for (int i = 0; i < width; ++i) {
+        const std::int64_t at_entry = in_face[i], at_exit = out_face[i];
+        changes.face[i] = in[i] == changes.t[i] ? at_entry : at_exit;
+    }
 }
 
-void find_further(double rounding, const Lanes& __restrict t, Lanes& __restrict further) {
+// Of the lanes where this leaf changes.
+[[gnu::noinline]] void name_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
+                std::int64_t index, PacketThroughSolid::Changes& __restrict changes) {
+    for (int i = 0; i < width; ++i) {
+        const std::int64_t at_entry = in_face[i], at_exit = out_face[i], kept = changes.face[i];
+        const std::int64_t face = in[i] == changes.t[i] ? at_entry : at_exit;
+        changes.face[i] = changes.leaf[i] == index ? face : kept;
+    }
+}
+
+[[gnu::noinline]] void keep_single_ends(const LeafLanes& __restrict ends, LeafLanes& __restrict leaf) {
+    for (int i = 0; i < width; ++i) leaf[i] = ends[i] == 1 ? leaf[i] : -1;
+}
+
+[[gnu::noinline]] void find_further(double rounding, const Lanes& __restrict t, Lanes& __restrict further) {
     for (int i = 0; i < width; ++i) further[i] = t[i] + sliver_length(rounding, t[i]);
 }
 
@@ -148,7 +171,10 @@ unsigned PacketThroughSolid::find_doubtful(const Solid& solid, const Lanes& insi
     find_further(solid.rounding, t, further);
     hold(solid.root, further, held);
     std::int64_t bits = 0;
-    for (int i = 0; i < width; ++i) bits += both(t[i] < infinity, held[i] == inside[i]) ? bit_of(i) : 0;
+    for (int i = 0; i < width; ++i) {
+        const std::int64_t if_alike = held[i] == inside[i] ? bit_of(i) : 0;
+        bits += t[i] < infinity ? if_alike : 0;
+    }
     return static_cast<unsigned>(bits) & ((1U << rays_->count) - 1);
 }
 
@@ -161,12 +187,9 @@ void PacketThroughSolid::find_changing_leaves(const Solid& solid, Changes& chang
         const std::int64_t index = solid.first_leaf + l;
         count_ends(of_leaf.in, of_leaf.out, index, changes.t, changes.leaf, ends);
         if (world_.leaves[index].first_surface < 0) continue;
-        for (int i = 0; i < width; ++i) {
-            const std::int64_t face = of_leaf.in[i] == changes.t[i] ? of_leaf.in_face[i] : of_leaf.out_face[i];
-            changes.face[i] = changes.leaf[i] == index ? face : changes.face[i];
-        }
+        name_faces(of_leaf.in, of_leaf.in_face, of_leaf.out_face, index, changes);
     }
-    for (int i = 0; i < width; ++i) changes.leaf[i] = ends[i] == 1 ? changes.leaf[i] : -1;
+    keep_single_ends(ends, changes.leaf);
 }
 
 void PacketThroughSolid::enter(std::int32_t tree, Lanes& t) const {
