@@ -481,7 +481,8 @@ void PacketPaths::FacePacket::fill_up() {
 // Faces of camera rays lie close together, so that little stands between all of them and a light.
 void PacketPaths::light_faces(std::size_t depth) {
     if (face_packets_ == 0) return;
-    const bool are_close = depth == 0;
+    const SolidsInReach* seen = in_reach_of(depth);
+    const bool are_close = seen && seen->are_known;
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
     waiting_.rays.clear(), dimmed_.rays.clear();
     const Bounds bounds = are_close ? bounds_of_faces() : Bounds::empty();
