@@ -20,8 +20,8 @@ double greater(double a, double b) { return a > b ? a : b; }
 // Intersects what is left of each lane, from t to first_out, with a leaf's span. Returns how many lanes are left. A leaf that is
 // alone is met even where t, at a distance, no longer tells its ends apart.
 [[gnu::noinline]] std::int64_t narrow(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, bool alone,
-                    const Lanes& __restrict limit, Lanes& __restrict t, Lanes& __restrict first_out,
-                    PacketThroughSolid::LeafLanes& __restrict leaf) {
+                                      const Lanes& __restrict limit, Lanes& __restrict t, Lanes& __restrict first_out,
+                                      PacketThroughSolid::LeafLanes& __restrict leaf) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         leaf[i] = in[i] > t[i] ? index : leaf[i];
@@ -36,8 +36,8 @@ double greater(double a, double b) { return a > b ? a : b; }
 }
 
 // Intersects spans with others; returns how many are not empty.
-[[gnu::noinline]] std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __restrict other_out, Lanes& __restrict in,
-                             Lanes& __restrict out) {
+[[gnu::noinline]] std::int64_t intersect_spans(const Lanes& __restrict other_in, const Lanes& __restrict other_out,
+                                               Lanes& __restrict in, Lanes& __restrict out) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         in[i] = greater(other_in[i], in[i]);
@@ -58,7 +58,7 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 // The surfaces that ends of spans are on: of the later of two entries, and of the earlier of two exits; -1 for both at once.
 [[gnu::noinline]] void name_later(const Lanes& __restrict in, const Lanes& __restrict other, std::int64_t surface,
-                PacketThroughSolid::LeafLanes& __restrict name) {
+                                  PacketThroughSolid::LeafLanes& __restrict name) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], other_begin = other[i];
         const std::int64_t named = name[i], kept = other_begin == begin ? -1 : named;
@@ -66,7 +66,7 @@ double greater(double a, double b) { return a > b ? a : b; }
     }
 }
 [[gnu::noinline]] void name_earlier(const Lanes& __restrict out, const Lanes& __restrict other, std::int64_t surface,
-                  PacketThroughSolid::LeafLanes& __restrict name) {
+                                    PacketThroughSolid::LeafLanes& __restrict name) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double end = out[i], other_end = other[i];
         const std::int64_t named = name[i], kept = other_end == end ? -1 : named;
@@ -75,8 +75,8 @@ double greater(double a, double b) { return a > b ? a : b; }
 }
 
 // The surface that lines meet at t, where none is named before.
-[[gnu::noinline]] void name_met(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t surface, const Lanes& __restrict t,
-              PacketThroughSolid::LeafLanes& __restrict name) {
+[[gnu::noinline]] void name_met(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t surface,
+                                const Lanes& __restrict t, PacketThroughSolid::LeafLanes& __restrict name) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const std::int64_t named = name[i], if_met = named < 0 ? surface : named;
         const std::int64_t at_exit = out[i] == t[i] ? if_met : named;
@@ -86,8 +86,9 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 // Lanes that a negative leaf holds again a sliver's length beyond t are doubtful; where another one ends at t, too, whose face it
 // is is not known.
-[[gnu::noinline]] void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
-                   const Lanes& __restrict further, Lanes& __restrict doubtful, PacketThroughSolid::LeafLanes& __restrict leaf) {
+[[gnu::noinline]] void mark_doubtful(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index,
+                                     const Lanes& __restrict t, const Lanes& __restrict further, Lanes& __restrict doubtful,
+                                     PacketThroughSolid::LeafLanes& __restrict leaf) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], end = out[i], at = t[i], beyond = further[i];
         const std::int64_t shown = leaf[i];
@@ -99,8 +100,9 @@ double greater(double a, double b) { return a > b ? a : b; }
 }
 
 // Moves the lanes that a negative leaf holds to its exit; returns how many there were.
-[[gnu::noinline]] std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, Lanes& __restrict t,
-                        Lanes& __restrict moved, PacketThroughSolid::LeafLanes& __restrict leaf) {
+[[gnu::noinline]] std::int64_t leave_span(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index,
+                                          Lanes& __restrict t, Lanes& __restrict moved,
+                                          PacketThroughSolid::LeafLanes& __restrict leaf) {
     std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double begin = in[i], end = out[i], at = t[i];
@@ -115,7 +117,7 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 // Lanes that were moved are lost where they went beyond their end.
 [[gnu::noinline]] void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out, const Lanes& __restrict limit,
-               Lanes& __restrict t) {
+                                 Lanes& __restrict t) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double at = t[i], end = first_out[i], most = limit[i], was_moved = moved[i];
         const double before_end = at < end ? at : infinity;
@@ -126,7 +128,7 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 // Spans along the local lines as spans of the world's t; empty ones end before they begin.
 [[gnu::noinline]] void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
-                        Lanes& __restrict out) {
+                                          Lanes& __restrict out) {
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const bool empty = !(spans.in[i] < spans.out[i]);
         in[i] = empty ? infinity : anchor[i] + spans.in[i];
@@ -144,8 +146,8 @@ double greater(double a, double b) { return a > b ? a : b; }
 }
 
 // Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P).
-[[gnu::noinline]] void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane, double side_of_shift,
-                     Lanes& __restrict in, Lanes& __restrict out) {
+[[gnu::noinline]] void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane,
+                                       double side_of_shift, Lanes& __restrict in, Lanes& __restrict out) {
     const LineBatch& lines = placed.lines;
     const double a = plane.a, b = plane.b, c = plane.c, d = plane.d;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {

@@ -39,7 +39,8 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
     }
 }
 
-[[gnu::noinline]] void hold_span(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict t, Lanes& __restrict held) {
+[[gnu::noinline]] void hold_span(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict t,
+                                 Lanes& __restrict held) {
     for (int i = 0; i < width; ++i) {
         const double before_end = t[i] < out[i] ? 1 : 0;
         held[i] = in[i] <= t[i] ? before_end : 0;
@@ -63,7 +64,8 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
     return static_cast<unsigned>(bits) & ((1U << count) - 1);
 }
 
-[[gnu::noinline]] void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, const Lanes& __restrict limit, Lanes& __restrict t) {
+[[gnu::noinline]] void choose(const Lanes& __restrict inside, const Lanes& __restrict way_out, const Lanes& __restrict limit,
+                              Lanes& __restrict t) {
     for (int i = 0; i < width; ++i) {
         const double change = inside[i] != 0 ? way_out[i] : t[i];
         t[i] = change <= limit[i] ? change : infinity;
@@ -71,8 +73,8 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 }
 
 // Counts the leaves with an end at t.
-[[gnu::noinline]] void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index, const Lanes& __restrict t,
-                LeafLanes& __restrict leaf, LeafLanes& __restrict ends) {
+[[gnu::noinline]] void count_ends(const Lanes& __restrict in, const Lanes& __restrict out, std::int64_t index,
+                                  const Lanes& __restrict t, LeafLanes& __restrict leaf, LeafLanes& __restrict ends) {
     for (int i = 0; i < width; ++i) {
         const double at = t[i], begin = in[i], end = out[i];
         const std::int64_t shown = leaf[i], if_end = end == at ? index : shown;
@@ -84,7 +86,7 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 
 // The end of a span behind `from`, and the lanes that are inside there.
 [[gnu::noinline]] unsigned next_end(const Lanes& __restrict in, const Lanes& __restrict out, const Lanes& __restrict from,
-                  const Lanes& __restrict limit, Lanes& __restrict t) {
+                                    const Lanes& __restrict limit, Lanes& __restrict t) {
     std::int64_t inside = 0;
     for (int i = 0; i < width; ++i) {
         const double begin = in[i], end = out[i], at = from[i];
@@ -96,8 +98,8 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
     return static_cast<unsigned>(inside);
 }
 
-[[gnu::noinline]] void choose_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
-                  PacketThroughSolid::Changes& __restrict changes) {
+[[gnu::noinline]] void choose_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face,
+                                    const LeafLanes& __restrict out_face, PacketThroughSolid::Changes& __restrict changes) {
     for (int i = 0; i < width; ++i) {
         const std::int64_t at_entry = in_face[i], at_exit = out_face[i];
         changes.face[i] = in[i] == changes.t[i] ? at_entry : at_exit;
@@ -105,8 +107,9 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 }
 
 // Of the lanes where this leaf changes.
-[[gnu::noinline]] void name_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face, const LeafLanes& __restrict out_face,
-                std::int64_t index, PacketThroughSolid::Changes& __restrict changes) {
+[[gnu::noinline]] void name_faces(const Lanes& __restrict in, const LeafLanes& __restrict in_face,
+                                  const LeafLanes& __restrict out_face, std::int64_t index,
+                                  PacketThroughSolid::Changes& __restrict changes) {
     for (int i = 0; i < width; ++i) {
         const std::int64_t at_entry = in_face[i], at_exit = out_face[i], kept = changes.face[i];
         const std::int64_t face = in[i] == changes.t[i] ? at_entry : at_exit;

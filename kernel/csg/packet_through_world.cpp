@@ -22,8 +22,8 @@ float greater(float a, float b) { return a > b ? a : b; }
 
 // Puts a solid's boundaries where they come first; returns in how many lanes. Of boundaries at the same place, that of the solid
 // written first counts.
-[[gnu::noinline]] std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf, std::int32_t solid,
-                         BoundaryPacket& __restrict boundaries, Lanes& __restrict limits) {
+[[gnu::noinline]] std::int64_t take_closer(const Lanes& __restrict t, const PacketThroughSolid::LeafLanes& __restrict leaf,
+                                           std::int32_t solid, BoundaryPacket& __restrict boundaries, Lanes& __restrict limits) {
     std::array<std::int64_t, PacketThroughWorld::width> first_solid;
     Lanes closer;
     for (int i = 0; i < PacketThroughWorld::width; ++i) first_solid[i] = boundaries.solid[i];
@@ -118,7 +118,7 @@ void PacketThroughWorld::set_limits() {
 
 // From where t counts for boxes, rounded up; below 0 where it is.
 [[gnu::noinline]] void PacketThroughWorld::round_limits(const Lanes& __restrict limits, const Lanes& __restrict shifts,
-                                      FloatLanes& __restrict rounded) {
+                                                        FloatLanes& __restrict rounded) {
     for (int i = 0; i < width; ++i) {
         const double limit = limits[i], shift = shifts[i];
         const double shifted = limit - shift + 0x1p-50 * shift;
@@ -147,7 +147,8 @@ bool PacketThroughWorld::meets(const std::array<float, 3>& lowest, const std::ar
 }
 
 // How many more rays reach the second of two boxes before the first than the other way round.
-[[gnu::noinline]] int PacketThroughWorld::votes_for_second(const FloatLanes& __restrict first, const FloatLanes& __restrict second) {
+[[gnu::noinline]] int PacketThroughWorld::votes_for_second(const FloatLanes& __restrict first,
+                                                           const FloatLanes& __restrict second) {
     std::int32_t for_first = 0, for_second = 0;
     for (int i = 0; i < width; ++i) for_first += first[i] < second[i] ? 1 : 0;
     for (int i = 0; i < width; ++i) for_second += second[i] < first[i] ? 1 : 0;
@@ -351,8 +352,8 @@ struct CloserLanes {
     unsigned closer, shared;
 };
 
-[[gnu::noinline]] CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict found, ChangePacket& __restrict changes,
-                                Lanes& __restrict limits) {
+[[gnu::noinline]] CloserLanes take_closer_changes(const PacketThroughSolid::Changes& __restrict found,
+                                                  ChangePacket& __restrict changes, Lanes& __restrict limits) {
     std::int64_t closer = 0, shared = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) {
         const double first = changes.first.t[i], t = found.t[i];
