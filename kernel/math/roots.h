@@ -67,21 +67,26 @@ inline Span tube_span(const LocalLine& line, double radius) {
     const double dx = slow * line.direction.x, dz = slow * line.direction.z;
 
     const double dd = dx * dx + dz * dz;
-    if (!(dd > 0)) return ox * ox + oz * oz < r * r ? Span::all() : Span::none();
     const double reach = r * std::sqrt(dd), moment = std::fabs(difference_of_products(ox, dz, oz, dx));
-    if (!(moment < reach)) return Span::none();
-
-    const double middle = -difference_of_products(ox, dx, -oz, dz), half = std::sqrt((reach - moment) * (reach + moment));
+    const double middle = -difference_of_products(ox, dx, -oz, dz);
+    const bool is_met = moment < reach;
+    const double half = std::sqrt(is_met ? (reach - moment) * (reach + moment) : 0);
     const double unit = slow * (1 / shrink) / dd;
-    return {(middle - half) * unit, (middle + half) * unit};
+    const double in = is_met ? (middle - half) * unit : infinity, out = is_met ? (middle + half) * unit : -infinity;
+
+    // Along the axis a line lies inside altogether or not at all. Chosen instead of returned early, so that loops over lines stay
+    // vector instructions.
+    const double parallel_in = ox * ox + oz * oz < r * r ? -infinity : infinity;
+    return {dd > 0 ? in : parallel_in, dd > 0 ? out : -parallel_in};
 }
 
 // The part of an axis between two values, low < o + t d < high: the rule of the slab. A line at rest on that axis lies
 // inside altogether, or not at all; a d whose reciprocal would overflow counts as rest, which keeps 0 * infinity out.
 inline Span slab_span(double origin, double direction, double low, double high) {
-    if (std::fabs(direction) < 0x1p-1022) return low < origin && origin < high ? Span::all() : Span::none();
+    const double above_low = low < origin ? -infinity : infinity, resting_in = origin < high ? above_low : infinity;
     const double pace = 1 / direction, a = (low - origin) * pace, b = (high - origin) * pace;
-    return a < b ? Span{a, b} : Span{b, a};
+    const bool rests = std::fabs(direction) < 0x1p-1022;
+    return {rests ? resting_in : (a < b ? a : b), rests ? -resting_in : (a < b ? b : a)};
 }
 
 // The half-space a x + b y + c z <= d. With n = (a, b, c) the line reaches the plane at t = (d - n.closest) / n.direction

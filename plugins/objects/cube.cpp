@@ -30,21 +30,15 @@ public:
     // The face whose plane is nearest, faces in the order -x, +x, -y, +y, -z, +z.
     int face(const Point& p) const override {
         const double x = half_.x - std::fabs(p.x), y = half_.y - std::fabs(p.y), z = half_.z - std::fabs(p.z);
-        if (x <= y && x <= z) return p.x > 0 ? 1 : 0;
-        if (y <= z) return p.y > 0 ? 3 : 2;
-        return p.z > 0 ? 5 : 4;
+        const int along_x = p.x > 0 ? 1 : 0, along_y = p.y > 0 ? 3 : 2, along_z = p.z > 0 ? 5 : 4;
+        const int of_other = y <= z ? along_y : along_z;
+        return x <= (y < z ? y : z) ? along_x : of_other;
     }
 
     Normal normal(const Hit& hit) const override {
-        const double outward = hit.face % 2 == 1 ? 1 : -1;
-        switch (hit.face / 2) {
-            case 0:
-                return {outward, 0, 0};
-            case 1:
-                return {0, outward, 0};
-            default:
-                return {0, 0, outward};
-        }
+        const double outward = (hit.face & 1) != 0 ? 1 : -1;
+        const int axis = hit.face >> 1;
+        return {axis == 0 ? outward : 0, axis == 1 ? outward : 0, axis == 2 ? outward : 0};
     }
 
     Surfaces surfaces() const override {

@@ -23,8 +23,10 @@ public:
 
     Bounds bounds() const override { return Bounds::box(radius_, half_height(), radius_); }
 
-    Span span(const LocalLine& line) const {
-        const double half = half_height();
+    // Half of the height.
+    double common() const { return half_height(); }
+
+    Span span(const LocalLine& line, double half) const {
         return intersect(tube_span(line, radius_), slab_span(line.closest.y, line.direction.y, -half, half));
     }
 
