@@ -112,6 +112,7 @@ private:
     void sample_middles(const PixelRegion& tile, Worker& worker);
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
     void write_middles(const PixelRegion& block, Worker& worker);
+    void write_colours(const PixelRegion& whole_block, Worker& worker);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
     static bool spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
@@ -419,6 +420,12 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 
 // The samples of a block, one for each pixel, in the order of places_in_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
+    const bool shows_colours_only = pixels_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples);
+    if (shows_colours_only && pixel_count(block) == pixels_of_block &&
+        pixel_count(intersection(block, region_)) == pixels_of_block) {
+        write_colours(block, worker);
+        return;
+    }
     const RaySample* sample = worker.batch->samples.data();
     for (const PixelPlace& place : places_in_block) {
         const PixelPlace pixel{block.x0 + place.x, block.y0 + place.y};
@@ -435,6 +442,23 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         ++sample;
     }
     if (pixels_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
+}
+
+// What most pictures of one sample a pixel consist of.
+void Passes::write_colours(const PixelRegion& whole_block, Worker& worker) {
+    float* const corner = frame_.row(Layer::colour, whole_block.x0, whole_block.x1, whole_block.y0).data();
+    const std::ptrdiff_t row = std::ptrdiff_t{channels_of(Layer::colour)} * frame_.width();
+    const RaySample* sample = worker.batch->samples.data();
+    std::uint64_t non_finite = 0;
+    for (const PixelPlace& place : places_in_block) {
+        const bool finite = is_finite(sample->colour);
+        const Colour colour = finite ? sample->colour : Colour::black();
+        non_finite += finite ? 0 : 1;
+        store({corner + place.y * row + channels_of(Layer::colour) * place.x, 3}, colour.r, colour.g, colour.b);
+        ++sample;
+    }
+    worker.non_finite_samples += non_finite;
+    worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
 }
 
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
