@@ -112,10 +112,12 @@ private:
     void sample_middles(const PixelRegion& tile, Worker& worker);
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
     void write_middles(const PixelRegion& block, Worker& worker);
-    void write_colours(const PixelRegion& whole_block, Worker& worker);
+    bool shows_colours_only(const PixelRegion& block) const;
+    void write_colours(const PixelRegion& block, Worker& worker);
+    void write_one_colour(const PixelRegion& block, const Colour& colour, Worker& worker);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
-    static bool spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
+    static std::optional<RaySample> spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -408,8 +410,14 @@ void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
 
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     SampleBatch& batch = *worker.batch;
-    if (spare(camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5), pixel_count(block), worker)) {
-        write_middles(block, worker);
+    const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
+    if (const std::optional<RaySample> known = spare(beam, pixel_count(block), worker)) {
+        if (shows_colours_only(block) && is_finite(known->colour)) {
+            write_one_colour(block, known->colour, worker);
+        } else {
+            std::fill_n(batch.samples.begin(), pixel_count(block), *known);
+            write_middles(block, worker);
+        }
         return;
     }
 
@@ -420,9 +428,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 
 // The samples of a block, one for each pixel, in the order of places_in_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
-    const bool shows_colours_only = pixels_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples);
-    if (shows_colours_only && pixel_count(block) == pixels_of_block &&
-        pixel_count(intersection(block, region_)) == pixels_of_block) {
+    if (shows_colours_only(block)) {
         write_colours(block, worker);
         return;
     }
@@ -444,9 +450,14 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     if (pixels_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
-// What most pictures of one sample a pixel consist of.
-void Passes::write_colours(const PixelRegion& whole_block, Worker& worker) {
-    float* const corner = frame_.row(Layer::colour, whole_block.x0, whole_block.x1, whole_block.y0).data();
+// Whole blocks of the colours of pictures of one sample a pixel, which are most of what is ever written.
+bool Passes::shows_colours_only(const PixelRegion& block) const {
+    return pixels_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
+           pixel_count(intersection(block, region_)) == pixels_of_block;
+}
+
+void Passes::write_colours(const PixelRegion& block, Worker& worker) {
+    float* const corner = frame_.row(Layer::colour, block.x0, block.x1, block.y0).data();
     const std::ptrdiff_t row = std::ptrdiff_t{channels_of(Layer::colour)} * frame_.width();
     const RaySample* sample = worker.batch->samples.data();
     std::uint64_t non_finite = 0;
@@ -461,6 +472,13 @@ void Passes::write_colours(const PixelRegion& whole_block, Worker& worker) {
     worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
 }
 
+void Passes::write_one_colour(const PixelRegion& block, const Colour& colour, Worker& worker) {
+    for (int y = block.y0; y < block.y1; ++y)
+        for (std::span row = frame_.row(Layer::colour, block.x0, block.x1, y); !row.empty(); row = row.subspan(3))
+            store(row, colour.r, colour.g, colour.b);
+    worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
+}
+
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
 void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
     const double reach = std::max(0.5, filter_.radius());
@@ -469,13 +487,11 @@ void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
     worker.integrand->begin_tile(beam ? &*beam : nullptr);
 }
 
-// Begins a part of a tile. Where it is known what its rays bring back, that becomes the batch's first samples: no ray is sent.
-bool Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
+// Begins a part of a tile. Where it is known what its rays bring back, that is the answer: no ray has to be sent.
+std::optional<RaySample> Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
     const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
-    if (!known) return false;
-    std::fill_n(worker.batch->samples.begin(), size, *known);
-    worker.spared_samples += size;
-    return true;
+    if (known) worker.spared_samples += size;
+    return known;
 }
 
 // The first places of a batch. False where that was cancelled: paths may have ended on their way.
@@ -509,7 +525,10 @@ void Passes::flush(Worker& worker) {
     if (size == 0 || is_stopped()) return;
     batch.place(size, camera_, filter_, options_.sequence);
     const bool layers = std::exchange(batch.has_layers, false);
-    if (!spare(batch.beam(size, camera_), size, worker) && !trace(worker, size, layers)) return;
+    if (const std::optional<RaySample> known = spare(batch.beam(size, camera_), size, worker))
+        std::fill_n(batch.samples.begin(), size, *known);
+    else if (!trace(worker, size, layers))
+        return;
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
