@@ -98,6 +98,7 @@ DeepTree make_deep_tree(const World& world, const Solid& solid, std::int32_t fir
     Growth(world, solid, first_node, tree).grow();
 
     std::vector<Bounds> boxes;
+    boxes.reserve(static_cast<std::size_t>(solid.leaf_count));
     for (std::int32_t i = 0; i < solid.leaf_count; ++i) boxes.push_back(world.leaves[solid.first_leaf + i].bounds());
     tree.hierarchy = Hierarchy(boxes, 0, tree.unbounded);
     return tree;
