@@ -31,6 +31,20 @@ inline constexpr std::array<std::int64_t, batch_size> bits_of_lanes = [] {
 }();
 constexpr std::int64_t bit_of(int lane) { return bits_of_lanes[static_cast<std::size_t>(lane)]; }
 
+// The lanes with a number below infinity: bit i for lane i.
+inline unsigned finite_lanes(const Lanes& lanes) {
+    std::int64_t finite = 0;
+    for (int i = 0; i < batch_size; ++i) finite |= lanes[i] < infinity ? bit_of(i) : 0;
+    return static_cast<unsigned>(finite);
+}
+
+// Whether a number is the same in all lanes.
+inline bool is_same_in_lanes(const std::array<std::int32_t, batch_size>& values) {
+    int same = 0;
+    for (std::int32_t value : values) same += value == values[0];
+    return same == batch_size;
+}
+
 // The least and the largest number of all lanes: by halves, as vectors are folded.
 template <class Choose>
 double fold_lanes(const double* __restrict v, Choose choose) {
@@ -97,6 +111,16 @@ struct RayPacket {
         departs |= ray.departure.leaf >= 0 || ray.departure.surface_class >= 0;
     }
 
+    // One of another packet.
+    void add(const RayPacket& other, int from) {
+        const int lane = count++;
+        const auto i = static_cast<std::size_t>(from);
+        anchor.set(lane, other.anchor[from]), offset.set(lane, other.offset[from]), direction.set(lane, other.direction[from]);
+        departure.set(lane, other.departure[from]);
+        key[static_cast<std::size_t>(lane)] = other.key[i];
+        departs |= other.departs;
+    }
+
     Ray ray(int lane) const {
         return {{to_point(anchor[lane]), offset[lane]}, direction[lane], departure[lane], key[static_cast<std::size_t>(lane)]};
     }
@@ -119,21 +143,15 @@ struct BoundaryPacket {
     std::array<std::int32_t, batch_size> face;   // of a leaf that shares faces: which of its surfaces; -1: not known
     unsigned starts_inside;                      // the rays that start in a solid: bit i for ray i
 
-    bool are_of_one_face() const {
-        const auto all = [](const std::array<std::int32_t, batch_size>& values) {
-            int same = 0;
-            for (std::int32_t value : values) same += value == values[0];
-            return same == batch_size;
-        };
-        return all(leaf) && all(face) && all(solid);
-    }
+    bool are_of_one_face() const { return is_same_in_lanes(leaf) && is_same_in_lanes(face) && is_same_in_lanes(solid); }
 };
 
 // Where what each ray of a packet is in first changes, and the solids that own the cells before and behind.
 struct ChangePacket {
     BoundaryPacket first;
     std::array<std::int32_t, batch_size> before, after;  // in World::solids; -1: empty space
-    unsigned unclear;                                    // the rays whose answers are not to be used, but those of the single ray
+    bool are_alike() const { return first.are_of_one_face() && is_same_in_lanes(before) && is_same_in_lanes(after); }
+    unsigned unclear;  // the rays whose answers are not to be used, but those of the single ray
 };
 
 }  // namespace lapidary

@@ -20,7 +20,7 @@ PacketPaths::Wave::Wave(bool through_matter) {
     paths.resize(size), colours.resize(size);
     if (!through_matter) return;
     stretches.resize(size / width), gathered.resize(size), passed.resize(size), lit.resize(size);
-    changes.resize(portion_size / width);
+    changes.resize(portion_size / width), meetings.resize(portion_size / width);
 }
 
 void PacketPaths::Wave::clear() {
@@ -106,9 +106,7 @@ std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<Ra
     const BoundaryPacket& boundaries = wave.boundaries[packet];
     const int begin = packet * width, count = std::min(width, wave.count - begin);
     constexpr std::uint64_t all = (1u << width) - 1;
-    std::int64_t finite = 0;
-    for (int lane = 0; lane < width; ++lane) finite |= boundaries.t[lane] < infinity ? bit_of(lane) : 0;
-    const std::uint64_t with_ray = (std::uint64_t{1} << count) - 1, met = static_cast<std::uint64_t>(finite) & with_ray;
+    const std::uint64_t with_ray = (std::uint64_t{1} << count) - 1, met = finite_lanes(boundaries.t) & with_ray;
     for (std::uint64_t rest = with_ray & ~met; rest != 0; rest &= rest - 1)
         wave.colours[begin + std::countr_zero(rest)] = world_.background;
     if (met != all || !boundaries.are_of_one_face() || !is_plain(wave, begin)) return met;
@@ -184,15 +182,6 @@ void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket&
     const MaterialInstance& material = world_.materials[shown];
     give_matter(material, faces);
     describe(leaf, material, faces, first);
-}
-
-// What is known of a face from the ray alone. `t` of its lane is set.
-void PacketPaths::add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t) {
-    const int lane = faces.count++;
-    rays.add(wave.ray(ray));
-    faces.ray[lane] = ray;
-    faces.key[lane] = rays.key[lane];
-    note_path(wave.paths[ray], lane, t, faces);
 }
 
 void PacketPaths::note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces) {

@@ -54,6 +54,16 @@ private:
         double weight = 0;
     };
 
+    // What the rays of a packet meet where their matter first changes. A plain face is one of which all that it shows can be had
+    // without asking the single ray: which leaf it is of is known, and of it which surface, and no opaque matter may lie right
+    // behind a transparent face.
+    struct Meetings {
+        unsigned plain, dimmed;  // bit i for ray i: meets a plain face; its matter takes something of its light
+        bool are_alike;          // all rays come from the same cell, meet the same face and go on into the same cell
+        std::array<std::int32_t, width> shown;                     // the material; -1: none, or it has to be asked for
+        std::array<std::int32_t, width> cell_before, cell_behind;  // by owner
+    };
+
     // Rays on their way, and what each brings back.
     struct Wave {
         explicit Wave(bool through_matter);
@@ -75,6 +85,7 @@ private:
         std::vector<std::uint32_t> lit;  // faces that it has passed
         int begin = 0, end = 0;
         std::vector<ChangePacket> changes;
+        std::vector<Meetings> meetings;
         std::vector<Contribution> contributions;
 
         void clear();
@@ -89,8 +100,9 @@ private:
         void add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
                                 const Colour& passed_before, std::uint32_t lit_before);
         double from(int i) const { return stretches[static_cast<std::size_t>(i / width)].from[i % width]; }
-        Departure departure(int i) const { return rays[static_cast<std::size_t>(i / width)].departure[i % width]; }
+        int packets_under_way() const { return (end - begin + width - 1) / width; }
         const ChangePacket& change(int i) const { return changes[(i - begin) / width]; }
+        const Meetings& meeting(int i) const { return meetings[(i - begin) / width]; }
         bool starts_inside(int i) const { return (boundaries[i / width].starts_inside >> i % width & 1) != 0; }
     };
 
@@ -165,7 +177,6 @@ private:
     void collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first);
     bool is_plain(const Wave& wave, int ray) const;
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
-    void add_plain_face(Wave& wave, int ray, FacePacket& faces, RayPacket& rays, const Lanes& t);
     void note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces);
     void note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<RaySample> first);
@@ -201,18 +212,20 @@ private:
     // Through transparent matter.
     void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
     void trace_portion(std::size_t depth, std::span<RaySample> first);
-    void find_changes(Wave& wave, const SolidsInReach* among);
-    void collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first);
-    enum class Meeting : std::uint8_t { nothing, no_face, plain_face, single_face };
-    Meeting go_to_change(Wave& wave, int ray, std::span<RaySample> first);
+    void find_meeting(const ChangePacket& changes, int lane, Meetings& meetings) const;
+    void find_meetings(const ChangePacket& changes, Meetings& meetings) const;
+    void check_first_cells(const RayPacket& rays, const Lanes& from, const Meetings& meetings, unsigned lanes);
+    void go_to_changes(std::size_t depth, int packet, std::span<RaySample> first);
+    void meet_unusual(Wave& wave, Wave& next, int ray, std::span<RaySample> first);
+    bool pass_matter(Wave& wave, int ray, std::span<RaySample> first);
     bool march(Wave& wave, int ray, const MaterialInstance& medium, std::span<RaySample> first);
     void trace_alone(Wave& wave, int ray, std::span<RaySample> first);
-    bool is_plain_at_change(const Wave& wave, int ray) const;
-    std::uint64_t sorting_key(const Wave& wave, int ray) const;
-    static int ray_of(const Wave& wave, std::uint64_t sorting_key);
-    bool is_same_face(const Wave& wave, std::uint64_t key, std::uint64_t other) const;
-    std::int32_t shown_at_change(const Wave& wave, int ray) const;
-    void meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first);
+    void meet_one_face(Wave& wave, int packet, std::span<RaySample> first);
+    void gather_faces_at_changes(Wave& wave, std::span<RaySample> first);
+    void gather_face(Wave& wave, int packet, std::span<RaySample> first);
+    void show_faces_at_changes(const Wave& wave, const RayPacket& rays, const Lanes& t, FacePacket& faces,
+                               std::span<RaySample> first);
+    void note_rays_at_changes(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
     double index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const;
     void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
@@ -230,7 +243,6 @@ private:
     const World& world_;
     PacketThroughWorld packet_;
     std::vector<std::unique_ptr<Wave>> waves_;  // by depth
-    std::vector<std::uint64_t> plain_;          // rays that meet plain faces, to be sorted by these
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;

@@ -33,11 +33,13 @@ void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySamp
 
 void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
-    find_changes(wave, in_reach_of(depth));
     face_packets_ = 0;
+    single_faces_ = nullptr;
     next.clear();
     wave.contributions.clear();
-    collect_faces_at_changes(wave, next, first);
+    for (int packet = 0; packet < wave.packets_under_way(); ++packet) go_to_changes(depth, packet, first);
+    if (single_faces_) single_faces_->fill_up();
+    gather_faces_at_changes(wave, first);
     light_faces(depth);
     for (std::size_t p = 0; p < face_packets_; ++p) divide_light(wave, next, *faces_[p]);
 
@@ -45,13 +47,6 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
     for (const Contribution& c : wave.contributions)
         wave.colours[c.to] += c.weight * (c.from < 0 ? world_.background : next.colours[c.from]);
     for (int i = wave.begin; i < wave.end; ++i) wave.colours[i] = wave.gathered[i] + wave.passed[i] * wave.colours[i];
-}
-
-void PacketPaths::find_changes(Wave& wave, const SolidsInReach* among) {
-    const std::size_t begin = static_cast<std::size_t>(wave.begin) / width;
-    const std::size_t packets = (static_cast<std::size_t>(wave.end - wave.begin) + width - 1) / width;
-    for (std::size_t p = 0; p < packets; ++p)
-        packet_.first_changes(wave.rays[begin + p], wave.stretches[begin + p], among, wave.changes[p]);
 }
 
 // ---- faces -----------------------------------------------------------------------------------------------------------
@@ -65,71 +60,163 @@ Boundary PacketPaths::boundary_of(const ChangePacket& changes, int lane) const {
     return boundary;
 }
 
-void PacketPaths::collect_faces_at_changes(Wave& wave, Wave& next, std::span<RaySample> first) {
-    single_faces_ = nullptr;
-    plain_.clear();
-    for (int i = wave.begin; i < wave.end; ++i) {
-        const Meeting meeting = go_to_change(wave, i, first);
-        if (meeting == Meeting::no_face) go_on(wave, next, i, wave.change(i).first.t[i % width], first);
-        if (meeting == Meeting::single_face) meet_single_face_at_change(wave, i, first);
-        if (meeting == Meeting::plain_face) plain_.push_back(sorting_key(wave, i));
+namespace {
+
+// Of uniform matter that does not absorb: its transmittance() is exactly 1 over any length.
+bool is_clear(const MaterialInstance& medium) {
+    return medium.is_uniform() && medium.colour.r >= 1 && medium.colour.g >= 1 && medium.colour.b >= 1;
+}
+
+}  // namespace
+
+void PacketPaths::find_meeting(const ChangePacket& changes, int lane, Meetings& meetings) const {
+    const auto i = static_cast<std::size_t>(lane);
+    const std::int32_t before = changes.before[i], after = changes.after[i], index = changes.first.leaf[i];
+    const Label label_before = label_of(before), label_after = label_of(after);
+    const auto bit = static_cast<unsigned>(bit_of(lane));
+    meetings.cell_before[i] = label_before.owner, meetings.cell_behind[i] = label_after.owner;
+    meetings.shown[i] = -1;
+    if (before >= 0) {
+        const MaterialInstance& medium = world_.materials[label_before.medium];
+        if (medium.may_be_transparent && !is_clear(medium)) meetings.dimmed |= bit;
     }
-    if (single_faces_) single_faces_->fill_up();
+    if (index < 0 || changes.first.solid[i] < 0 || before == after) return;
+    const Leaf& leaf = world_.leaves[index];
+    if (leaf.first_surface >= 0 && changes.first.face[i] < 0) return;
+    const std::int32_t innards = after >= 0 ? label_after.medium : label_before.medium;
+    const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : innards;
+    meetings.shown[i] = shown;
+    if (after < 0 || label_after.medium == shown || !world_.materials[shown].may_be_transparent) meetings.plain |= bit;
+}
 
-    std::sort(plain_.begin(), plain_.end());
-    for (std::size_t begin = 0; begin < plain_.size();) {
-        std::size_t end = begin + 1;
-        while (end < plain_.size() && end < begin + width && is_same_face(wave, plain_[begin], plain_[end])) ++end;
-        meet_plain_faces_at_changes(wave, std::span(plain_).subspan(begin, end - begin), first);
-        begin = end;
+// Most packets are of rays that come from the same matter and meet the same face.
+void PacketPaths::find_meetings(const ChangePacket& changes, Meetings& meetings) const {
+    constexpr unsigned all = (1u << width) - 1;
+    meetings.plain = meetings.dimmed = 0;
+    meetings.are_alike = changes.are_alike();
+    find_meeting(changes, 0, meetings);
+    for (int lane = 1; lane < width && !meetings.are_alike; ++lane) find_meeting(changes, lane, meetings);
+    if (!meetings.are_alike) return;
+    meetings.plain = meetings.plain != 0 ? all : 0, meetings.dimmed = meetings.dimmed != 0 ? all : 0;
+    meetings.shown.fill(meetings.shown[0]);
+    meetings.cell_before.fill(meetings.cell_before[0]), meetings.cell_behind.fill(meetings.cell_behind[0]);
+}
+
+void PacketPaths::check_first_cells(const RayPacket& rays, const Lanes& from, const Meetings& meetings, unsigned lanes) {
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest);
+        if (from[lane] == 0) tracer_.check_first_cell(rays.departure[lane], meetings.cell_before[lane]);
     }
 }
 
-// Rays that meet the same face come to stand together.
-std::uint64_t PacketPaths::sorting_key(const Wave& wave, int ray) const {
-    const ChangePacket& changes = wave.change(ray);
-    const auto leaf = static_cast<std::uint64_t>(changes.first.leaf[ray % width]);
-    const auto face = static_cast<std::uint64_t>(changes.first.face[ray % width] + 1) & 0xff;
-    const auto shown = static_cast<std::uint64_t>(shown_at_change(wave, ray)) & 0xffff;
-    return leaf << 32 | face << 24 | shown << 8 | static_cast<std::uint64_t>(ray - wave.begin);
+// The rays of a packet go through the matter that they start in, to what they meet at the end of it. Those that are finished have
+// their colours, to be multiplied by what has passed; plain faces are left to be gathered, if not all rays meet the same.
+void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<RaySample> first) {
+    Wave& wave = *waves_[depth];
+    const int begin = wave.begin + packet * width, count = std::min(width, wave.end - begin);
+    const RayPacket& rays = wave.rays[begin / width];
+    const PacketThroughWorld::Stretch& stretch = wave.stretches[begin / width];
+    ChangePacket& changes = wave.changes[packet];
+    Meetings& meetings = wave.meetings[packet];
+    packet_.first_changes(rays, stretch, in_reach_of(depth), changes);
+    find_meetings(changes, meetings);
+    std::fill_n(wave.colours.begin() + begin, count, world_.background);
+
+    const unsigned with_ray = (1u << count) - 1, unclear = changes.unclear & with_ray;
+    for (unsigned rest = unclear; rest != 0; rest &= rest - 1) trace_alone(wave, begin + std::countr_zero(rest), first);
+    unsigned arriving = with_ray & ~unclear;
+    check_first_cells(rays, stretch.from, meetings, arriving);
+    for (unsigned rest = arriving & meetings.dimmed; rest != 0; rest &= rest - 1)
+        if (!pass_matter(wave, begin + std::countr_zero(rest), first)) arriving &= ~(rest & -rest);
+    arriving &= finite_lanes(changes.first.t);
+    meetings.plain &= arriving;
+    for (unsigned rest = arriving & ~meetings.plain; rest != 0; rest &= rest - 1)
+        meet_unusual(wave, *waves_[depth + 1], begin + std::countr_zero(rest), first);
+    if (meetings.are_alike && meetings.plain == (1u << width) - 1) {
+        meet_one_face(wave, packet, first);
+        meetings.plain = 0;
+    }
 }
 
-int PacketPaths::ray_of(const Wave& wave, std::uint64_t sorting_key) { return wave.begin + static_cast<int>(sorting_key & 0xff); }
-
-bool PacketPaths::is_same_face(const Wave& wave, std::uint64_t key, std::uint64_t other) const {
-    return key >> 8 == other >> 8 && shown_at_change(wave, ray_of(wave, key)) == shown_at_change(wave, ray_of(wave, other));
-}
-
-// Through the matter that a ray starts in, and what it meets at the end of it. Rays that are finished have their colours, to be
-// multiplied by what has passed.
-PacketPaths::Meeting PacketPaths::go_to_change(Wave& wave, int ray, std::span<RaySample> first) {
+// What is not a plain face.
+void PacketPaths::meet_unusual(Wave& wave, Wave& next, int ray, std::span<RaySample> first) {
     const ChangePacket& changes = wave.change(ray);
     const int lane = ray % width;
-    const double t = changes.first.t[lane];
-    Colour& passed = wave.passed[ray];
-    wave.colours[ray] = world_.background;
-    if ((changes.unclear >> lane & 1) != 0) {
+    const bool is_sheet = changes.first.solid[lane] < 0;
+    if (!is_sheet && changes.before[lane] == changes.after[lane])
+        go_on(wave, next, ray, changes.first.t[lane], first);
+    else if (changes.first.leaf[lane] >= 0)
+        meet_single_face_at_change(wave, ray, first);
+    else  // A boundary without a leaf is one that rounding undid, or that several leaves share.
         trace_alone(wave, ray, first);
-        return Meeting::nothing;
+}
+
+// Through matter that dims light, and whether the ray comes to the end of it.
+bool PacketPaths::pass_matter(Wave& wave, int ray, std::span<RaySample> first) {
+    const ChangePacket& changes = wave.change(ray);
+    const MaterialInstance& medium = world_.materials[world_.insides[changes.before[ray % width]].medium];
+    if (!medium.is_uniform()) return !march(wave, ray, medium, first);
+    Colour& passed = wave.passed[ray];
+    passed = passed * transmittance(medium, {}, wave.from(ray), changes.first.t[ray % width]);
+    return !is_black(passed);
+}
+
+// All rays of a packet meet the same face.
+void PacketPaths::meet_one_face(Wave& wave, int packet, std::span<RaySample> first) {
+    const int begin = wave.begin + packet * width;
+    const ChangePacket& changes = wave.changes[packet];
+    FacePacket& faces = new_faces();
+    faces.count = width;
+    for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
+    show_faces_at_changes(wave, wave.rays[begin / width], changes.first.t, faces, first);
+}
+
+// The rays of the packets under way that meet the same face come together.
+void PacketPaths::gather_faces_at_changes(Wave& wave, std::span<RaySample> first) {
+    for (int packet = 0; packet < wave.packets_under_way(); ++packet)
+        while (wave.meetings[packet].plain != 0) gather_face(wave, packet, first);
+}
+
+namespace {
+
+// The lanes in which some numbers are these.
+[[gnu::noinline]] unsigned lanes_with(const std::int32_t* __restrict leaf, std::int32_t same_leaf,
+                                      const std::int32_t* __restrict face, std::int32_t same_face,
+                                      const std::int32_t* __restrict shown, std::int32_t same_shown) {
+    std::int32_t lanes = 0;
+    for (int i = 0; i < batch_size; ++i) {
+        const std::int32_t differs = (leaf[i] ^ same_leaf) | (face[i] ^ same_face) | (shown[i] ^ same_shown);
+        lanes |= differs == 0 ? static_cast<std::int32_t>(bit_of(i)) : 0;
     }
-    const double from = wave.from(ray);
-    if (from == 0) tracer_.check_first_cell(wave.departure(ray), label_of(changes.before[lane]).owner);
-    if (const std::int32_t owner = changes.before[lane]; owner >= 0) {
-        const MaterialInstance& medium = world_.materials[world_.insides[owner].medium];
-        if (!medium.is_uniform() && medium.may_be_transparent) {
-            if (march(wave, ray, medium, first)) return Meeting::nothing;
-        } else if (medium.may_be_transparent) {
-            passed = passed * transmittance(medium, {}, from, t);
+    return static_cast<unsigned>(lanes);
+}
+
+}  // namespace
+
+// The first waiting ray's face, with those of others that meet the same one.
+void PacketPaths::gather_face(Wave& wave, int packet, std::span<RaySample> first) {
+    const auto leader = static_cast<std::size_t>(std::countr_zero(wave.meetings[packet].plain));
+    const BoundaryPacket& leading = wave.changes[packet].first;
+    const std::int32_t leaf = leading.leaf[leader], face = leading.face[leader], shown = wave.meetings[packet].shown[leader];
+    FacePacket& faces = new_faces();
+    RayPacket rays;
+    Lanes t;
+    for (int p = packet; p < wave.packets_under_way() && !faces.is_full(); ++p) {
+        Meetings& meetings = wave.meetings[p];
+        if (meetings.plain == 0) continue;
+        const BoundaryPacket& met = wave.changes[p].first;
+        unsigned rest = meetings.plain & lanes_with(met.leaf.data(), leaf, met.face.data(), face, meetings.shown.data(), shown);
+        for (; rest != 0 && !faces.is_full(); rest &= rest - 1) {
+            const int lane = std::countr_zero(rest), ray = wave.begin + p * width + lane;
+            meetings.plain &= ~(1u << lane);
+            t[faces.count] = met.t[lane];
+            faces.ray[faces.count++] = ray;
+            rays.add(wave.rays[ray / width], lane);
         }
     }
-    if (is_black(passed) || t == infinity) return Meeting::nothing;
-    if (is_plain_at_change(wave, ray)) return Meeting::plain_face;
-    const bool is_sheet = changes.first.solid[lane] < 0;
-    if (!is_sheet && changes.before[lane] == changes.after[lane]) return Meeting::no_face;
-    if (changes.first.leaf[lane] >= 0) return Meeting::single_face;
-    // A boundary without a leaf is one that rounding undid, or that several leaves share.
-    trace_alone(wave, ray, first);
-    return Meeting::nothing;
+    rays.fill_up();
+    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
+    show_faces_at_changes(wave, rays, t, faces, first);
 }
 
 // To the next boundary within textured matter, and whether there is one, or nothing is left of light on the way.
@@ -189,57 +276,36 @@ void PacketPaths::Wave::add_through_matter(const Ray& ray, const Path& path, dou
     add(ray, path);
 }
 
-// Of a face with a leaf.
-std::int32_t PacketPaths::shown_at_change(const Wave& wave, int ray) const {
-    const ChangePacket& changes = wave.change(ray);
-    const int lane = ray % width;
-    const std::int32_t own = world_.leaves[changes.first.leaf[lane]].appearance;
-    if (own >= 0) return own;
-    return world_.insides[changes.after[lane] >= 0 ? changes.after[lane] : changes.before[lane]].medium;
-}
-
-// Whether all that a face shows can be had without asking the single ray: which leaf it is of is known, and of it which surface,
-// and no opaque matter may lie right behind a transparent face.
-bool PacketPaths::is_plain_at_change(const Wave& wave, int ray) const {
-    const ChangePacket& changes = wave.change(ray);
-    const int lane = ray % width;
-    const std::int32_t leaf = changes.first.leaf[lane], after = changes.after[lane];
-    if (leaf < 0 || changes.first.solid[lane] < 0 || changes.before[lane] == after) return false;
-    if (world_.leaves[leaf].first_surface >= 0 && changes.first.face[lane] < 0) return false;
-    const std::int32_t shown = shown_at_change(wave, ray);
-    return after < 0 || world_.insides[after].medium == shown || !world_.materials[shown].may_be_transparent;
-}
-
-// Rays that meet the same face of a leaf.
-void PacketPaths::meet_plain_faces_at_changes(Wave& wave, std::span<const std::uint64_t> run, std::span<RaySample> first) {
-    const int leader = ray_of(wave, run.front());
-    const ChangePacket& leading = wave.change(leader);
-    const std::int32_t index = leading.first.leaf[leader % width], shown = shown_at_change(wave, leader);
-    const Leaf& leaf = world_.leaves[index];
-    FacePacket& faces = new_faces();
-    RayPacket rays;
-    Lanes t;
-    for (const std::uint64_t key : run) {
-        const int ray = ray_of(wave, key), lane = ray % width;
-        const ChangePacket& changes = wave.change(ray);
-        const int number = faces.count;
-        t[number] = changes.first.t[lane];
-        faces.departure.set(number, {index, -1, false, label_of(changes.before[lane]).owner});
-        faces.cell_behind[number] = label_of(changes.after[lane]).owner;
-        if (changes.after[lane] < 0) faces.leaving |= 1U << number;
-        add_plain_face(wave, ray, faces, rays, t);
-        faces.light_samples[number] += tracer_.extended_lights * wave.lit[ray];
-        faces.t[number] = t[number];
-    }
-    rays.fill_up();
-    for (int lane = faces.count; lane < width; ++lane) {
-        t[lane] = t[0], faces.travelled[lane] = faces.travelled[0];
-        faces.departure.set(lane, faces.departure[0]), faces.key[static_cast<std::size_t>(lane)] = faces.key[0];
-    }
-    faces.depart_alike = true;
-    place_faces(leaf, leading.first.face[leader % width], rays, t, faces);
+// Rays that meet the same face of a leaf; faces.ray is known already.
+void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays, const Lanes& t, FacePacket& faces,
+                                        std::span<RaySample> first) {
+    const int leader = faces.ray[0], lane = leader % width;
+    const BoundaryPacket& leading = wave.change(leader).first;
+    const std::int32_t shown = wave.meeting(leader).shown[lane];
+    const Leaf& leaf = world_.leaves[leading.leaf[lane]];
+    note_rays_at_changes(wave, leading.leaf[lane], rays, t, faces);
+    place_faces(leaf, leading.face[lane], rays, t, faces);
     give_matter_at_changes(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
+}
+
+void PacketPaths::note_rays_at_changes(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t,
+                                       FacePacket& faces) {
+    faces.key = rays.key, faces.t = t;
+    faces.departure.fill({leaf, -1, false, Departure::no_cell});
+    faces.depart_alike = true;
+    for (int lane = 0; lane < width; ++lane) {
+        const int ray = faces.ray[lane];
+        const Meetings& meetings = wave.meeting(ray);
+        const auto from = static_cast<std::size_t>(ray % width);
+        faces.departure.cell[static_cast<std::size_t>(lane)] = meetings.cell_before[from];
+        faces.cell_behind[lane] = meetings.cell_behind[from];
+        note_path(wave.paths[ray], lane, t, faces);
+        faces.light_samples[lane] += tracer_.extended_lights * wave.lit[ray];
+    }
+    std::int64_t leaving = 0;
+    for (int lane = 0; lane < width; ++lane) leaving |= faces.cell_behind[lane] < 0 ? bit_of(lane) : 0;
+    faces.leaving = static_cast<unsigned>(leaving);
 }
 
 void PacketPaths::add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter) {
