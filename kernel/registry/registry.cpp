@@ -111,7 +111,9 @@ std::unique_ptr<Interface> create(const Plugin& plugin, const PluginDescriptor& 
         throw std::logic_error(
             fmt::format("the plugin '{}' is of kind {}, asked for {}", plugin.keyword(), name_of(plugin.kind()), name_of(kind)));
     try {
-        return std::unique_ptr<Interface>(static_cast<Interface*>(descriptor.create()));
+        std::unique_ptr<Interface> made(static_cast<Interface*>(descriptor.create()));
+        plugin.schema().derive(dynamic_cast<void*>(made.get()));
+        return made;
     } catch (...) {
         throw std::runtime_error(fmt::format("the plugin '{}' ({}) cannot make its {}: {}", plugin.keyword(),
                                              plugin.file().string(), name_of(kind), words_of_current_exception()));

@@ -7,6 +7,7 @@
 //         schema.summary("A ring.");
 //         schema.add("radii", &Torus::major_, &Torus::minor_).unit(Unit::length).above(0).help("Of the ring and of its tube.");
 //         schema.require("the tube must be thinner than the ring", [](const Torus& t) { return t.minor_ < t.major_; });
+//         schema.derive([](Torus& t) { t.reach_ = t.major_ + t.minor_; });
 //     }
 //
 // The type comes from the member, the default from its initialiser, private members are reachable because describe is
@@ -102,6 +103,12 @@ public:
     const std::vector<ChildSchema>& children() const { return children_; }
     const std::vector<Requirement>& requirements() const { return requirements_; }
 
+    // To be called when properties of an object were given values and the requirements hold, and again when they were placed. New
+    // objects that a Plugin creates have derived from their defaults.
+    void derive(void* object) const {
+        if (derive_) derive_(object);
+    }
+
     const PropertySchema* find(std::string_view name) const;
     // The default values of a property, as the scene language would write them: "1", "(1, 0.25)", "none".
     std::string default_text(const PropertySchema& property) const;
@@ -111,6 +118,7 @@ protected:
     std::vector<PropertySchema> properties_;
     std::vector<ChildSchema> children_;
     std::vector<Requirement> requirements_;
+    std::function<void(void* object)> derive_;
     std::shared_ptr<const void> specimen_;  // one default-constructed object, from which defaults are read
 };
 
@@ -412,6 +420,12 @@ public:
         requirements_.push_back(
             {std::move(sentence), [holds = std::move(holds)](const void* object) { return holds(owner<T>(object)); }});
     }
+
+    // What follows from the properties, computed once all of them are known: so that what is asked for every ray need not be.
+    void derive(std::function<void(T&)> compute) {
+        derive_ = [compute = std::move(compute)](void* object) { compute(owner<T>(object)); };
+    }
+    using SchemaBase::derive;
 
 private:
     // Objects travel as pointers to the most derived class.

@@ -91,9 +91,12 @@ void place_light(const LightPrototype& prototype, const TransformFactors& outer,
     try {
         const std::shared_ptr<Light> light = copy_of(prototype);
         const Transform to_world(*transform);
+        const SchemaBase& schema = prototype.plugin->schema();
+        void* target = dynamic_cast<void*>(light.get());
         if (!factors.empty())
-            for (const PropertySchema& property : prototype.plugin->schema().properties())
-                if (property.place) property.place(dynamic_cast<void*>(light.get()), to_world);
+            for (const PropertySchema& property : schema.properties())
+                if (property.place) property.place(target, to_world);
+        schema.derive(target);
         lights.push_back({light, prototype.plugin, prototype.name, prototype.place});
     } catch (const std::exception& exception) {
         context.messages.error(prototype.place, exception.what());

@@ -182,7 +182,18 @@ bool PropertyReader::finish(const Place& place) {
         }
         if (!holds) error(place, fmt::format("'{}': {}", owner_, requirement.sentence));
     }
+    if (!failed_) derive(place);
     return !failed_;
+}
+
+void PropertyReader::derive(const Place& place) {
+    try {
+        schema_.derive(target_);
+    } catch (const std::exception& exception) {
+        error(place, fmt::format("'{}' does not take these properties together: {}", owner_, exception.what()));
+    } catch (...) {
+        error(place, fmt::format("'{}' does not take these properties together", owner_));
+    }
 }
 
 const Place* PropertyReader::place_of(std::string_view keyword) const {

@@ -25,7 +25,8 @@ public:
     bool read(const Property& property);
     // A block whose keyword is one of the properties: `radius { }` where `radius( );` is meant. False for other blocks.
     bool report_block(const Block& block);
-    // Checks the conditions across properties; to be called after the last property. False where one fails.
+    // Checks the conditions across properties, and lets the object derive what follows from them; to be called after the last
+    // property. False where that fails.
     bool finish(const Place& place);
 
     // Where a property stands first; null where the block does not give it.
@@ -41,6 +42,7 @@ private:
     bool check(const PropertySchema& schema, const Property& property);
     bool check_value(const PropertySchema& schema, const Value& value, Shape shape);
     void assign(const PropertySchema& schema, const Property& property);
+    void derive(const Place& place);
     void error(const Place& place, std::string text);
 
     const SchemaBase& schema_;

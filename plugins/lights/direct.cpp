@@ -22,14 +22,16 @@ public:
             .unit(Unit::angle)
             .between(0, std::numbers::pi)
             .help("How wide the light's disc is in the sky (the sun: 0.53deg); above 0, shadows are soft.");
+        schema.derive([](Direct& d) {
+            const double sine = std::sin(d.angle_ / 4);
+            d.to_middle_ = -normalize(d.direction_), d.versine_ = 2 * sine * sine;
+        });
     }
 
-    Illumination from_middle(const Point&) const { return {-normalize(direction_), infinity, intensity_ * colour_}; }
+    Illumination from_middle(const Point&) const { return {to_middle_, infinity, intensity_ * colour_}; }
 
     Illumination from_sample(const Point&, const LightSample& sample) const {
-        const Vector axis = -normalize(direction_);
-        const double quarter_sine = std::sin(angle_ / 4), versine = 2 * quarter_sine * quarter_sine;  // 1 - cos(angle/2)
-        return {direction_in_cone(axis, versine, sample), infinity, intensity_ / (1 - versine / 2) * colour_};
+        return {direction_in_cone(to_middle_, versine_, sample), infinity, intensity_ / (1 - versine_ / 2) * colour_};
     }
 
     bool has_extent() const override { return angle_ > 0; }
@@ -39,6 +41,9 @@ private:
     double intensity_ = 1;
     Vector direction_{0, 0, 1};
     double angle_ = 0;
+
+    Vector to_middle_;    // of the disc, a unit vector
+    double versine_ = 0;  // 1 - cos(angle/2)
 };
 
 LAPIDARY_PLUGIN(Direct)

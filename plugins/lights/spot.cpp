@@ -35,23 +35,20 @@ public:
             .at_least(0)
             .help("Makes the light a ball of this size; above 0, shadows are soft.");
         schema.require("the first angle must not be larger than the second", [](const Spot& s) { return s.inner_ <= s.outer_; });
+        schema.derive([](Spot& s) {
+            s.axis_ = normalize(s.direction_);
+            s.sine_of_half_inner_ = std::sin(s.inner_ / 2), s.sine_of_half_outer_ = std::sin(s.outer_ / 2);
+        });
     }
 
-    // The axis as a unit vector, and the sines of half the angles.
-    struct Cone {
-        Vector axis;
-        double inner, outer;
-    };
-    Cone common() const { return {normalize(direction_), std::sin(inner_ / 2), std::sin(outer_ / 2)}; }
-
-    Illumination from_middle(const Point& point, const Cone& cone) const {
+    Illumination from_middle(const Point& point) const {
         const Heading to_centre = heading_along(location_ - point);
-        return point_light(to_centre, part_within(cone, -to_centre.direction) * colour_, intensity_);
+        return point_light(to_centre, part_within_cone(-to_centre.direction) * colour_, intensity_);
     }
 
-    Illumination from_sample(const Point& point, const LightSample& sample, const Cone& cone) const {
+    Illumination from_sample(const Point& point, const LightSample& sample) const {
         const Vector to_centre = location_ - point;
-        const double part = part_within(cone, -heading_along(to_centre).direction);
+        const double part = part_within_cone(-heading_along(to_centre).direction);
         if (!(part > 0)) return {};
         return ball_light(to_centre, radius_, part * colour_, intensity_, sample);
     }
@@ -61,8 +58,8 @@ public:
 
 private:
     // Chosen instead of returned early, so that a loop over points stays vector instructions.
-    static double part_within(const Cone& cone, const Vector& way) {
-        const double inner = cone.inner, outer = cone.outer, off_axis = length(way - cone.axis) / 2;
+    double part_within_cone(const Vector& way) const {
+        const double inner = sine_of_half_inner_, outer = sine_of_half_outer_, off_axis = length(way - axis_) / 2;
         const double s = (outer - off_axis) * (outer + off_axis) / ((outer - inner) * (outer + inner));
         const double between = off_axis < outer ? s * s * (3 - 2 * s) : 0;
         const bool is_full = inner > 0 && off_axis <= inner;  // angles of 0 let nothing through, angles of 180deg everything
@@ -75,6 +72,9 @@ private:
     Vector direction_{0, 0, 1};
     double inner_ = std::numbers::pi / 9, outer_ = std::numbers::pi / 6;
     double radius_ = 0;
+
+    Vector axis_;  // a unit vector
+    double sine_of_half_inner_ = 0, sine_of_half_outer_ = 0;
 };
 
 LAPIDARY_PLUGIN(Spot)

@@ -19,19 +19,17 @@ public:
             .unit(Unit::length)
             .above(0)
             .help("From cap to cap, half of it above the centre and half below; without it the rod is infinite.");
+        schema.derive([](Cylinder& c) { c.half_height_ = c.height_ ? *c.height_ / 2 : infinity; });
     }
 
-    Bounds bounds() const override { return Bounds::box(radius_, half_height(), radius_); }
+    Bounds bounds() const override { return Bounds::box(radius_, half_height_, radius_); }
 
-    // Half of the height.
-    double common() const { return half_height(); }
-
-    Span span(const LocalLine& line, double half) const {
-        return intersect(tube_span(line, radius_), slab_span(line.closest.y, line.direction.y, -half, half));
+    Span span(const LocalLine& line) const {
+        return intersect(tube_span(line, radius_), slab_span(line.closest.y, line.direction.y, -half_height_, half_height_));
     }
 
     int face(const Point& p) const override {
-        const double to_side = std::fabs(radius_ - std::hypot(p.x, p.z)), to_cap = std::fabs(half_height() - std::fabs(p.y));
+        const double to_side = std::fabs(radius_ - std::hypot(p.x, p.z)), to_cap = std::fabs(half_height_ - std::fabs(p.y));
         if (to_side <= to_cap) return side;
         return p.y > 0 ? top : bottom;
     }
@@ -43,16 +41,15 @@ public:
 
     Surfaces surfaces() const override {
         if (!height_) return {Surface::cylinder(radius_)};
-        return {Surface::cylinder(radius_), Surface::plane(0, 1, 0, half_height()), Surface::plane(0, -1, 0, half_height())};
+        return {Surface::cylinder(radius_), Surface::plane(0, 1, 0, half_height_), Surface::plane(0, -1, 0, half_height_)};
     }
 
 private:
     enum Face { side, top, bottom };
 
-    double half_height() const { return height_ ? *height_ / 2 : infinity; }
-
     double radius_ = 1;
     std::optional<double> height_;
+    double half_height_ = infinity;
 };
 
 LAPIDARY_PLUGIN(Cylinder)

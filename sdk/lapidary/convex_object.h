@@ -5,10 +5,7 @@
 //     Span span(const LocalLine& line) const;
 //
 // and gets both forms of Object::spans from it. Kept inline, the compiler turns the loop over the lines of a batch into vector
-// instructions; early returns do not hinder it.
-//
-// What is the same for all lines, and would take a branch, can be computed once for a batch: a solid with a member function
-// common() gets what that returns as last argument.
+// instructions; early returns do not hinder it. (What is the same for all lines and takes a branch belongs to schema.derive().)
 #pragma once
 
 #include <type_traits>
@@ -24,16 +21,15 @@ public:
     int max_spans() const final { return 1; }
 
     int spans(const LocalLine& line, Span* out) const final {
-        *out = span_of(line, common());
+        *out = solid().span(line);
         return solid().is_sheet() ? out->in <= out->out : out->in < out->out;
     }
 
     // All lanes are computed, whether asked for or not: a loop of constant length is what vectorises. `out` is promised to
     // overlap neither the solid nor the lines.
     void spans_batch(const LineBatch& lines, int, SpanBatch* __restrict out) const final {
-        const auto shared = common();
         for (int lane = 0; lane < batch_size; ++lane) {
-            const Span span = span_of(lines.line(lane), shared);
+            const Span span = solid().span(lines.line(lane));
             out->in[lane] = span.in;
             out->out[lane] = span.out;
         }
@@ -47,22 +43,6 @@ public:
     }
 
 private:
-    struct Nothing {};
-
-    auto common() const {
-        if constexpr (requires(const Solid& s) { s.common(); })
-            return solid().common();
-        else
-            return Nothing{};
-    }
-    template <class Shared>
-    Span span_of(const LocalLine& line, const Shared& shared) const {
-        if constexpr (std::is_same_v<Shared, Nothing>)
-            return solid().span(line);
-        else
-            return solid().span(line, shared);
-    }
-
     // A direct call, or none where the solid has one face only.
     int face_of(const Point& point) const {
         if constexpr (std::is_same_v<decltype(&Solid::face), decltype(&Object::face)>)

@@ -85,7 +85,10 @@ void randomize(void* object, const SchemaBase& schema, Random& random) {
             if (!values.empty()) property.assign(object, values);
         }
         const auto& requirements = schema.requirements();
-        if (std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& r) { return r.holds(object); })) return;
+        if (!std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& r) { return r.holds(object); }))
+            continue;
+        schema.derive(object);
+        return;
     }
     FAIL("no values were found that meet the schema's requirements");
 }

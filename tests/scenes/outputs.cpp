@@ -43,6 +43,7 @@ public:
         const PropertySchema* const schema = plugin_->schema().find(property);
         REQUIRE(schema);
         schema->assign(dynamic_cast<void*>(output_.get()), values);
+        plugin_->schema().derive(dynamic_cast<void*>(output_.get()));
         return *this;
     }
     bool fits() const {

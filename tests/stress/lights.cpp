@@ -38,6 +38,7 @@ std::unique_ptr<Light> make_light(const std::string& keyword, const std::vector<
         for (double number : setting.numbers) values.push_back(number_value(number));
         property->assign(dynamic_cast<void*>(light.get()), values);
     }
+    plugin->schema().derive(dynamic_cast<void*>(light.get()));
     return light;
 }
 

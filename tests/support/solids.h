@@ -45,6 +45,7 @@ public:
             for (double number : numbers) values.push_back(number_value(number));
             property->assign(dynamic_cast<void*>(object.get()), values);
         }
+        plugin->schema().derive(dynamic_cast<void*>(object.get()));
         auto node = std::make_shared<SceneNode>();
         node->object = std::move(object);
         node->plugin = plugin;

@@ -43,6 +43,7 @@ inline MaterialPtr texture(const std::string& keyword, const std::vector<Texture
     for (std::size_t i = 0; i < children.size(); ++i) slots.at(std::min(i, slots.size() - 1)).assign(target, children[i]);
     for (const Requirement& requirement : plugin->schema().requirements())
         if (!requirement.holds(target)) throw std::runtime_error(keyword + ": " + requirement.sentence);
+    plugin->schema().derive(target);
     return made;
 }
 

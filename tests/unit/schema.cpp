@@ -39,9 +39,10 @@ struct Widget : Coloured {
         schema.child("even", &Widget::even_).help("The first.");
         schema.children("more", &Widget::more_).help("Any number.");
         schema.require("the tube must be thinner than the ring", [](const Widget& w) { return w.minor_ < w.major_; });
+        schema.derive([](Widget& w) { w.reach_ = w.major_ + w.minor_; });
     }
 
-    double radius_ = 1, major_ = 1, minor_ = 0.25;
+    double radius_ = 1, major_ = 1, minor_ = 0.25, reach_ = 0;
     Point location_{1, 2, 3};
     double inner_ = 20 * std::numbers::pi / 180, outer_ = 0.123456789;
     int octaves_ = 6;
@@ -144,6 +145,15 @@ TEST_CASE("a condition across properties is a sentence and a test") {
     CHECK(requirement.holds(&widget));
     widget.minor_ = 2;
     CHECK_FALSE(requirement.holds(&widget));
+}
+
+TEST_CASE("what follows from properties is derived from the values that they have") {
+    Widget widget;
+    schema().derive(&widget);
+    CHECK(widget.reach_ == 1.25);
+    property("radii").assign(&widget, {number_value(5), number_value(2)});
+    schema().derive(&widget);
+    CHECK(widget.reach_ == 7);
 }
 
 TEST_CASE("an unknown property is not found") { CHECK(schema().find("radios") == nullptr); }

@@ -15,10 +15,7 @@ public:
     int max_spans() const final { return 1; }
 
     int spans(const LocalLine& line, Span* out) const final {
-        if constexpr (requires { solid().common(); })
-            *out = solid().span(line, solid().common());
-        else
-            *out = solid().span(line);
+        *out = solid().span(line);
         return solid().is_sheet() ? out->in <= out->out : out->in < out->out;
     }
 
