@@ -60,6 +60,9 @@ public:
     // The box that all of its light comes from; nothing for light from far away, or where that is not known. Where nothing stands
     // between it and a face, no shadow rays are sent.
     virtual std::optional<Bounds> place() const { return std::nullopt; }
+    // Whether any of it may come to a point in a box, if nothing stands between; false only where that is certain. Faces that no
+    // light reaches are not asked one by one.
+    virtual bool may_reach(const Bounds&) const { return true; }
     // A light with extent wants a sample of its own for every ray.
     virtual bool has_extent() const { return false; }
 };

@@ -474,18 +474,35 @@ void PacketPaths::light_faces(std::size_t depth) {
     const bool are_close = seen && seen->are_known;
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
     waiting_.rays.clear(), dimmed_.rays.clear();
-    const Bounds bounds = are_close ? bounds_of_faces() : Bounds::empty();
+    const Bounds bounds = bounds_of_faces();
     AimedLights aimed;
     for (const auto& light : world_.lights) {
+        if (!light->may_reach(bounds)) {
+            pass_over(*light);
+            continue;
+        }
         const std::optional<Bounds> place = are_close ? light->place() : std::nullopt;
-        if (place) to_light_.begin(bounds, *place);
-        before_light_ = place ? &to_light_.solids() : nullptr;
+        before_light_ = nullptr;
         for (std::size_t p = 0; p < face_packets_; ++p) {
             aim(*light, *faces_[p], aimed);
+            if (aimed.arrives == 0) continue;
+            if (place && !before_light_) {
+                to_light_.begin(bounds, *place);
+                before_light_ = &to_light_.solids();
+            }
             send_shadow_rays(*faces_[p], aimed);
         }
         cast_waiting_shadows();
         cast_dimmed_shadows();
+    }
+}
+
+// A light that reaches no face; samples are numbered as if it did.
+void PacketPaths::pass_over(const Light& light) {
+    for (std::size_t p = 0; p < face_packets_; ++p) {
+        FacePacket& faces = *faces_[p];
+        tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count);
+        for (int i = 0; light.has_extent() && i < faces.count; ++i) ++faces.light_samples[i];
     }
 }
 
@@ -629,10 +646,9 @@ void PacketPaths::aim_shadow_rays(const FacePacket& __restrict faces, const Aime
     }
 }
 
-// Rays of a packet that is nearly full go at once; the others wait for company.
+// Of a packet that the light may reach. Rays of one that is nearly full go at once; the others wait for company.
 void PacketPaths::send_shadow_rays(FacePacket& faces, const AimedLights& aimed) {
     constexpr int nearly_full = width / 2;
-    if (aimed.arrives == 0) return;
     if (are_clear(faces, aimed)) {
         tracer_.statistics.shadow_rays_spared += static_cast<std::uint64_t>(std::popcount(aimed.arrives));
         light_faces_of(aimed, aimed.arrives, faces);

@@ -196,6 +196,7 @@ private:
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces(std::size_t depth);
     void begin_light(FacePacket& faces);
+    void pass_over(const Light& light);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
     static void aim_shadow_rays(const FacePacket& faces, const AimedLights& aimed, AimedShadows& shadows);

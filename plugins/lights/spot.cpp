@@ -38,6 +38,7 @@ public:
         schema.derive([](Spot& s) {
             s.axis_ = normalize(s.direction_);
             s.sine_of_half_inner_ = std::sin(s.inner_ / 2), s.sine_of_half_outer_ = std::sin(s.outer_ / 2);
+            s.sine_of_outer_ = std::sin(s.outer_), s.cosine_of_outer_ = std::cos(s.outer_);
         });
     }
 
@@ -55,6 +56,21 @@ public:
 
     bool has_extent() const override { return radius_ > 0; }
     std::optional<Bounds> place() const override { return ball_bounds(location_, radius_); }
+
+    // The ball around a box is seen under a half-angle a from the light, sin a = its radius / its distance. It lies outside of
+    // the cone where the way to its middle makes more than the angle b + a with the axis.
+    bool may_reach(const Bounds& box) const override {
+        constexpr double rounding = 1e-9;
+        const Vector to_middle = box.centre() - location_;
+        const double size = largest_magnitude(box.low) + largest_magnitude(box.high) + largest_magnitude(location_);
+        const double radius = length(box.diagonal()) / 2 + 0x1p-46 * size, distance = length(to_middle);
+        if (!(radius < distance && distance < infinity)) return true;
+        const double sine = radius / distance, cosine = std::sqrt((1 - sine) * (1 + sine));
+        const double sine_of_sum = sine_of_outer_ * cosine + cosine_of_outer_ * sine;
+        const double cosine_of_sum = cosine_of_outer_ * cosine - sine_of_outer_ * sine;
+        const bool is_everywhere = sine_of_sum <= rounding;  // the sum is half a turn or more
+        return is_everywhere || dot(axis_, to_middle) >= (cosine_of_sum - rounding) * distance;
+    }
 
 private:
     // Chosen instead of returned early, so that a loop over points stays vector instructions.
@@ -74,7 +90,7 @@ private:
     double radius_ = 0;
 
     Vector axis_;  // a unit vector
-    double sine_of_half_inner_ = 0, sine_of_half_outer_ = 0;
+    double sine_of_half_inner_ = 0, sine_of_half_outer_ = 0, sine_of_outer_ = 0, cosine_of_outer_ = 1;
 };
 
 LAPIDARY_PLUGIN(Spot)

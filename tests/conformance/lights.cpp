@@ -70,4 +70,42 @@ TEST_CASE("every light without extent is the same for every sample, and asked tw
     }
 }
 
+// Boxes of any size, many of them where light fades out.
+TEST_CASE("no light comes into a box that it says it does not reach") {
+    Random random(93);
+    for (const std::string& keyword : registry().keywords(PluginKind::light)) {
+        const Plugin& p = plugin(PluginKind::light, keyword);
+        for (int i = 0; i < 400; ++i) {
+            const auto light = random_light(p, random);
+            CAPTURE(keyword, describe(dynamic_cast<const void*>(light.get()), p.schema()));
+            for (int j = 0; j < 20; ++j) {
+                const Point middle = to_point(random.magnitude(-2, 2) * random.direction());
+                const double size = random.magnitude(-3, 2);
+                const Vector half{size * random.uniform(0, 1), size * random.uniform(0, 1), size * random.uniform(0, 1)};
+                if (light->may_reach({middle - half, middle + half})) continue;
+                for (int k = 0; k < 20; ++k) {
+                    const auto corner_or_inside = [&] { return k < 10 ? random.below(2) * 2.0 - 1 : random.uniform(-1, 1); };
+                    const Vector within{half.x * corner_or_inside(), half.y * corner_or_inside(), half.z * corner_or_inside()};
+                    CAPTURE(middle.x, middle.y, middle.z, size, within.x, within.y, within.z);
+                    const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
+                    CHECK(is_black(light->toward(middle + within, sample).radiance));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("a spot reaches what its cone meets, and not what lies far beside it") {
+    const auto spot = plugin(PluginKind::light, "spot").create_light();  // along z, 30 degrees to each side
+    const auto box = [](const Point& middle, double half) {
+        return Bounds{middle - Vector{half, half, half}, middle + Vector{half, half, half}};
+    };
+    CHECK(spot->may_reach(box({0, 0, 5}, 1)));
+    CHECK(spot->may_reach(box({0, 0, 0}, 1)));
+    CHECK(spot->may_reach(box({4, 0, 5}, 1)));
+    CHECK(spot->may_reach(Bounds::everything()));
+    CHECK_FALSE(spot->may_reach(box({8, 0, 5}, 1)));
+    CHECK_FALSE(spot->may_reach(box({0, 0, -5}, 1)));
+}
+
 }  // namespace lapidary::test
