@@ -116,7 +116,7 @@ public:
     // Which face a local point of the boundary belongs to, the nearest one; faces count from 0 in the order of surfaces().
     virtual int face(const Point& local) const;
 
-    // The outward normal at a point of a face, of any length.
+    // The outward normal at a point of a face, of any length; the same all over a face that is a plane.
     virtual Normal normal(const Hit& hit) const = 0;
 
     // The normals at the first `count` points of a batch, each of the face nearest to it. The default asks face() and

@@ -266,12 +266,16 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
     near.replace(faces);
 
     NormalBatch normals;
+    const bool is_plane = !surface_class.whole && surface_class.surface.kind == Surface::Kind::plane;
     for (int i = 0; i < width; ++i) {
+        if (is_plane && i > 0) {
+            normals.set(i, {normals.x[0], normals.y[0], normals.z[0]});
+            continue;
+        }
         const TwoPartPoint point{to_point(faces.anchor[i]), faces.offset[i]};
         const bool in_own_frame = &frame == &leaf && (near.lanes >> i & 1) == 0;
         const Point own = in_own_frame ? local.point(i) : leaf.placement.to_local(point);
-        const Normal normal = leaf.object->normal({own, face});
-        normals.x[i] = normal.x, normals.y[i] = normal.y, normals.z[i] = normal.z;
+        normals.set(i, leaf.object->normal({own, face}));
     }
     faces.arriving = rays.direction;
     turn_normals(leaf.placement, normals, faces);
