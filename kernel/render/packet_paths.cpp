@@ -378,29 +378,43 @@ void PacketPaths::turn_normals(const Transform& placement, const NormalBatch& no
     faces.shading = faces.geometric;
 }
 
+MatterSite PacketPaths::site_of(const FacePacket& faces, int lane) const {
+    return {{to_point(faces.anchor[lane]), faces.offset[lane]}, tracer_.pixel_footprint * faces.travelled[lane]};
+}
+
+// As if the same matter lay behind.
+void PacketPaths::FacePacket::set_matter(int lane, const Matter& matter) {
+    colour.set(lane, matter.colour);
+    reflection[lane] = matter.reflection, shininess[lane] = matter.shininess;
+    opacity[lane] = matter.opacity, index_behind[lane] = matter.refraction;
+}
+
+void PacketPaths::FacePacket::copy_matter(int lane, int from) {
+    colour.set(lane, colour[from]);
+    reflection[lane] = reflection[from], shininess[lane] = shininess[from];
+    opacity[lane] = opacity[from], index_behind[lane] = index_behind[from];
+}
+
+// Sampled on the solid side of the faces.
 void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& faces) {
     if (material.is_uniform()) {
-        const Matter& finish = *material.finish;
-        for (int i = 0; i < width; ++i) {
-            faces.colour.set(i, material.colour);
-            faces.reflection[i] = finish.reflection, faces.shininess[i] = finish.shininess;
-        }
+        const Matter matter = material.matter();
+        for (int i = 0; i < width; ++i) faces.set_matter(i, matter);
+        faces.transparent = matter.is_transparent() ? faces.lanes() : 0;
         return;
     }
     for (int i = 0; i < faces.count; ++i) {
         const Vector arriving = faces.arriving[i];
         const Normal geometric(faces.geometric[i]);
-        const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
-        const Matter matter = matter_beside(material, site, Tracer::Implementation::ahead(arriving, geometric));
-        faces.colour.set(i, matter.colour);
-        faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
+        const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
+        const bool leaving = (faces.leaving >> i & 1) != 0;
+        const Matter matter = matter_beside(material, site_of(faces, i), leaving ? -beyond : beyond);
+        faces.set_matter(i, matter);
+        faces.transparent |= static_cast<unsigned>(matter.is_transparent()) << i;
         if (world_.features.relief)
             faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
     }
-    for (int i = faces.count; i < width; ++i) {
-        faces.colour.set(i, faces.colour[0]);
-        faces.reflection[i] = faces.reflection[0], faces.shininess[i] = faces.shininess[0];
-    }
+    for (int i = faces.count; i < width; ++i) faces.copy_matter(i, 0);
 }
 
 // What is not plain is asked of the single ray.
@@ -438,13 +452,11 @@ void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter&
     arriving.set(lane, rays.direction[number % width]);
     outward.set(lane, e.outward), geometric.set(lane, e.geometric), shading.set(lane, e.shading);
     travelled[lane] = e.travelled;
-    colour.set(lane, e.matter.colour);
-    reflection[lane] = e.matter.reflection, shininess[lane] = e.matter.shininess;
+    set_matter(lane, e.matter);
     departure.set(lane, e.departure);
     departure.cell[static_cast<std::size_t>(lane)] = e.cell_before, cell_behind[lane] = e.cell_behind;
     transparent |= static_cast<unsigned>(e.matter.is_transparent()) << lane;
     sheets |= static_cast<unsigned>(e.is_sheet) << lane;
-    opacity[lane] = e.matter.opacity;
     index_before[lane] = e.index_before, index_behind[lane] = e.index_behind;
     key[lane] = rays.key[number % width];
 }
@@ -464,8 +476,7 @@ void PacketPaths::FacePacket::fill_up() {
         anchor.set(lane, anchor[0]), offset.set(lane, offset[0]);
         geometric.set(lane, geometric[0]), shading.set(lane, shading[0]);
         departure.set(lane, departure[0]), key[static_cast<std::size_t>(lane)] = key[0];
-        colour.set(lane, colour[0]);
-        reflection[lane] = reflection[0], shininess[lane] = shininess[0];
+        copy_matter(lane, 0);
     }
 }
 

@@ -122,12 +122,15 @@ private:
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
         bool is_full() const { return count == width; }
+        unsigned lanes() const { return (1u << count) - 1; }  // that hold faces: bit i for face i
         // Of transparent matter, bit i for lane i: which faces are of it, which are sheets, and which are seen from inside.
         unsigned transparent, sheets, leaving;
         Lanes t, opacity, index_before, index_behind;
         std::array<std::int32_t, width> cell_behind;
 
         void add(const Wave& wave, int ray, const Encounter& encounter);
+        void set_matter(int lane, const Matter& matter);
+        void copy_matter(int lane, int from);
         void fill_up();
         bool is_transparent(int lane) const { return (transparent >> lane & 1) != 0; }
         // A ray that starts at a face, at the side that its direction points to.
@@ -193,6 +196,7 @@ private:
     static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
     static void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
     static void round_points(FacePacket& faces);
+    MatterSite site_of(const FacePacket& faces, int lane) const;
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces(std::size_t depth);
     void begin_light(FacePacket& faces);
@@ -228,8 +232,8 @@ private:
                                std::span<RaySample> first);
     void note_rays_at_changes(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
-    double index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const;
-    void give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces);
+    double index_beside(const FacePacket& faces, int lane, std::int32_t solid, Side side) const;
+    void find_indices(std::int32_t shown, const Wave& wave, FacePacket& faces) const;
     void divide_light(Wave& wave, Wave& next, const FacePacket& faces);
     static std::optional<Vector> refracted_direction(const FacePacket& faces, int lane);
     void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);

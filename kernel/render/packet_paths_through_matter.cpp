@@ -285,7 +285,8 @@ void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays,
     const Leaf& leaf = world_.leaves[leading.leaf[lane]];
     note_rays_at_changes(wave, leading.leaf[lane], rays, t, faces);
     place_faces(leaf, leading.face[lane], rays, t, faces);
-    give_matter_at_changes(shown, wave, faces);
+    give_matter(world_.materials[shown], faces);
+    find_indices(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
 }
 
@@ -327,40 +328,24 @@ void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<R
         trace_alone(wave, number, first);
 }
 
-// Of uniform matter at once.
-double PacketPaths::index_of(std::int32_t solid, const MatterSite& site, const Vector& toward, const Matter* known) const {
+// Of a solid's matter just before or behind a face. Of uniform matter at once.
+double PacketPaths::index_beside(const FacePacket& faces, int lane, std::int32_t solid, Side side) const {
     if (solid < 0) return 1;
     const MaterialInstance& medium = world_.materials[world_.insides[solid].medium];
-    if (!medium.is_uniform()) return tracer_.index_of(label_of(solid), site, toward, known);
-    return medium.finish->is_transparent() ? medium.finish->refraction : 1;
+    if (medium.is_uniform()) return medium.finish->is_transparent() ? medium.finish->refraction : 1;
+    const Vector beyond = Tracer::Implementation::ahead(faces.arriving[lane], Normal(faces.geometric[lane]));
+    return tracer_.index_of(label_of(solid), site_of(faces, lane), side == Side::after ? beyond : -beyond, nullptr);
 }
 
-void PacketPaths::give_matter_at_changes(std::int32_t shown, const Wave& wave, FacePacket& faces) {
-    const MaterialInstance& material = world_.materials[shown];
-    for (int i = 0; i < faces.count; ++i) {
-        const Vector arriving = faces.arriving[i];
-        const Normal geometric(faces.geometric[i]);
-        const MatterSite site{{to_point(faces.anchor[i]), faces.offset[i]}, tracer_.pixel_footprint * faces.travelled[i]};
-        const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
-        const bool leaving = (faces.leaving >> i & 1) != 0;
-        const Matter matter = matter_beside(material, site, leaving ? -beyond : beyond);
-        faces.colour.set(i, matter.colour);
-        faces.reflection[i] = matter.reflection, faces.shininess[i] = matter.shininess;
-        faces.opacity[i] = matter.opacity;
-        if (matter.is_transparent()) {
-            const ChangePacket& changes = wave.change(faces.ray[i]);
-            const int lane = faces.ray[i] % width;
-            faces.transparent |= 1U << i;
-            const bool known_behind = !leaving && world_.insides[changes.after[lane]].medium == shown;
-            faces.index_behind[i] = index_of(changes.after[lane], site, beyond, known_behind ? &matter : nullptr);
-            faces.index_before[i] = index_of(changes.before[lane], site, -beyond, nullptr);
-        }
-        if (world_.features.relief)
-            faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
-    }
-    for (int i = faces.count; i < width; ++i) {
-        faces.colour.set(i, faces.colour[0]);
-        faces.reflection[i] = faces.reflection[0], faces.shininess[i] = faces.shininess[0];
+// Behind faces that show the matter which begins there, the index is known already.
+void PacketPaths::find_indices(std::int32_t shown, const Wave& wave, FacePacket& faces) const {
+    for (unsigned rest = faces.transparent; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest), from = faces.ray[lane] % width;
+        const ChangePacket& changes = wave.change(faces.ray[lane]);
+        const std::int32_t before = changes.before[from], after = changes.after[from];
+        const bool is_known = after >= 0 && world_.insides[after].medium == shown;
+        if (!is_known) faces.index_behind[lane] = index_beside(faces, lane, after, Side::after);
+        faces.index_before[lane] = index_beside(faces, lane, before, Side::before);
     }
 }
 
