@@ -38,6 +38,13 @@ inline unsigned finite_lanes(const Lanes& lanes) {
     return static_cast<unsigned>(finite);
 }
 
+// Those with one above 0.
+inline unsigned positive_lanes(const Lanes& lanes) {
+    std::int64_t positive = 0;
+    for (int i = 0; i < batch_size; ++i) positive |= lanes[i] > 0 ? bit_of(i) : 0;
+    return static_cast<unsigned>(positive);
+}
+
 // Whether a number is the same in all lanes.
 inline bool is_same_in_lanes(const std::array<std::int32_t, batch_size>& values) {
     int same = 0;

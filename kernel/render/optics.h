@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cmath>
-#include <optional>
 
 #include "kernel/math/vector.h"
 
@@ -41,30 +40,36 @@ inline Vector mirror(const Vector& direction, const Normal& n) {
     return renormalize(direction - 2 * dot(direction, n) * to_vector(n));
 }
 
-// The refracted direction (Snell's law), for a unit direction, a unit normal against it and eta = index before / index behind;
-// nothing at total reflection. The sine is taken from the cross product: near the critical angle 1 - eta^2 sin^2 factored as
-// (1 - eta s)(1 + eta s) keeps digits that 1 - eta^2 (1 - c^2) loses.
-inline std::optional<Vector> refract(const Vector& direction, const Normal& n, double eta) {
+// Where light goes behind a face.
+struct Refraction {
+    Vector direction;  // without meaning at total reflection
+    bool is_total = false;
+};
+
+// The refracted direction (Snell's law), for a unit direction, a unit normal against it and eta = index before / index behind.
+// The sine is taken from the cross product: near the critical angle 1 - eta^2 sin^2 factored as (1 - eta s)(1 + eta s) keeps
+// digits that 1 - eta^2 (1 - c^2) loses.
+inline Refraction refract(const Vector& direction, const Normal& n, double eta) {
     const double sine = length(cross(direction, to_vector(n)));
     const double squared_cosine = (1 - eta * sine) * (1 + eta * sine);
-    if (!(squared_cosine > 0)) return std::nullopt;
     const double cosine = -dot(direction, n);
-    return renormalize(eta * direction + (eta * cosine - std::sqrt(squared_cosine)) * to_vector(n));
+    const Vector refracted = renormalize(eta * direction + (eta * cosine - std::sqrt(squared_cosine)) * to_vector(n));
+    return {{refracted.x, refracted.y, refracted.z}, !(squared_cosine > 0)};
 }
 
 // The part of unpolarised light that is reflected at a face between two indices (Fresnel), for a unit direction and a unit
-// normal against it; 1 beyond the critical angle.
+// normal against it: nothing between equal indices; all beyond the critical angle, where the root is no number. Only the result
+// is chosen, so that loops over lanes become vector instructions.
 inline double fresnel_reflectance(const Vector& direction, const Normal& n, double index_before, double index_behind) {
-    if (index_before == index_behind) return 0;
     const double sine = index_before / index_behind * length(cross(direction, to_vector(n)));
-    const double squared_cosine = (1 - sine) * (1 + sine);
-    if (!(squared_cosine > 0)) return 1;
-    const double cosine = std::fabs(dot(direction, n)), cosine_behind = std::sqrt(squared_cosine);
+    const double cosine = std::fabs(dot(direction, n)), cosine_behind = std::sqrt((1 - sine) * (1 + sine));
     const double perpendicular =
         (index_before * cosine - index_behind * cosine_behind) / (index_before * cosine + index_behind * cosine_behind);
     const double parallel =
         (index_behind * cosine - index_before * cosine_behind) / (index_behind * cosine + index_before * cosine_behind);
-    return 0.5 * (perpendicular * perpendicular + parallel * parallel);
+    const double reflected = 0.5 * (perpendicular * perpendicular + parallel * parallel);
+    const double most = index_before == index_behind ? 0 : 1;
+    return reflected < most ? reflected : most;
 }
 
 }  // namespace lapidary

@@ -20,18 +20,13 @@ PacketPaths::Wave::Wave(bool through_matter) {
     paths.resize(size), colours.resize(size);
     if (!through_matter) return;
     stretches.resize(size / width), gathered.resize(size), passed.resize(size), lit.resize(size);
+    for (PacketThroughWorld::Stretch& stretch : stretches) stretch.limit.v.fill(infinity);
     changes.resize(portion_size / width), meetings.resize(portion_size / width);
 }
 
 void PacketPaths::Wave::clear() {
     count = 0;
     for (RayPacket& packet : own_rays) packet.clear();
-}
-
-void PacketPaths::Wave::add(const Ray& ray, const Path& path) {
-    paths[count] = path;
-    own_rays[count / width].add(ray);
-    ++count;
 }
 
 void PacketPaths::Wave::fill_up() {
@@ -461,11 +456,19 @@ void PacketPaths::FacePacket::add(const Wave& wave, int number, const Encounter&
     key[lane] = rays.key[number % width];
 }
 
-Ray PacketPaths::FacePacket::depart(int lane, const Vector& direction) const {
-    Ray onward{{to_point(anchor[lane]), offset[lane]}, direction, departure[lane], key[lane]};
-    onward.departure.inward = dot(direction, outward[lane]) < 0;
-    if (is_transparent(lane) && !(dot(direction, geometric[lane]) > 0)) onward.departure.cell = cell_behind[lane];
-    return onward;
+void PacketPaths::FacePacket::depart(const VectorLanes& __restrict directions, RayPacket& __restrict rays) const {
+    rays.count = width, rays.departs = true;
+    rays.anchor = anchor, rays.offset = offset, rays.direction = directions;
+    rays.departure = departure, rays.key = key;
+    std::int64_t behind = 0;
+    for (int i = 0; i < width; ++i) {
+        rays.departure.inward[static_cast<std::size_t>(i)] = dot(directions[i], outward[i]) < 0;
+        behind |= dot(directions[i], geometric[i]) > 0 ? 0 : bit_of(i);
+    }
+    for (unsigned rest = transparent & static_cast<unsigned>(behind); rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(rest));
+        rays.departure.cell[i] = cell_behind[i];
+    }
 }
 
 // The lanes without a face get what arithmetic can take.
@@ -769,6 +772,33 @@ void PacketPaths::light_face(const Shadows& shadows, int ray, const Colour& pass
 
 // ---- colours ---------------------------------------------------------------------------------------------------------
 
+namespace {
+
+template <bool some_transparent, class Faces>
+[[gnu::noinline]] void find_colours(const Faces& __restrict faces, ColourLanes& __restrict shown) {
+    const std::int64_t transparent = faces.transparent;
+    for (int i = 0; i < PacketPaths::width; ++i) {
+        const Colour highlight = faces.highlight[i];
+        const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + highlight;
+        const double rest = 1 - faces.reflection[i], opacity = faces.opacity[i];
+        const Colour opaque = rest * local, clear = rest * (opacity * local + (1 - opacity) * highlight);
+        const bool is_clear = both(some_transparent, (transparent & bit_of(i)) != 0);
+        shown.r[i] = is_clear ? clear.r : opaque.r;
+        shown.g[i] = is_clear ? clear.g : opaque.g;
+        shown.b[i] = is_clear ? clear.b : opaque.b;
+    }
+}
+
+}  // namespace
+
+// Without what mirrored and refracted rays bring.
+void PacketPaths::show_colours(const FacePacket& faces, ColourLanes& shown) {
+    if (faces.transparent == 0)
+        find_colours<false>(faces, shown);
+    else
+        find_colours<true>(faces, shown);
+}
+
 // Local colours, and the mirrored rays of the next wave.
 void PacketPaths::finish_colours(std::size_t depth) {
     Wave& wave = *waves_[depth];
@@ -777,30 +807,43 @@ void PacketPaths::finish_colours(std::size_t depth) {
     for (std::size_t p = 0; p < face_packets_; ++p) {
         FacePacket& faces = *faces_[p];
         ColourLanes shown;
-        for (int i = 0; i < width; ++i) {
-            const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + faces.highlight[i];
-            shown.set(i, (1 - faces.reflection[i]) * local);
-        }
+        show_colours(faces, shown);
         for (int i = 0; i < faces.count; ++i) wave.colours[faces.ray[i]] = shown[i];
-        if (!world_.features.reflection) continue;
-        for (int i = 0; i < faces.count; ++i)
-            if (faces.reflection[i] > 0) mirror_ray(faces, i, wave, *waves_[depth + 1]);
+        if (world_.features.reflection) mirror_rays(faces, wave, *waves_[depth + 1]);
     }
 }
 
-void PacketPaths::mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next) {
-    ++tracer_.statistics.mirrored_rays;
-    const int sender = faces.ray[lane];
-    const double reflection = faces.reflection[lane];
-    const Path& path = wave.paths[sender];
-    const Path onward{path.weight * reflection, path.depth + 1, faces.travelled[lane], 2 * path.branch, path.faces + 1};
-    if (onward.ends(tracer_.settings)) {
-        wave.colours[sender] += reflection * world_.background;
-        return;
+// Tracer::Implementation::turned_out for all lanes: seldom one is turned.
+void PacketPaths::turn_mirrored_out(FacePacket& faces) {
+    std::int64_t below = 0;
+    for (int i = 0; i < width; ++i) below |= dot(faces.mirrored[i], faces.geometric[i]) < 0 ? bit_of(i) : 0;
+    for (auto rest = static_cast<unsigned>(below); rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        faces.mirrored.set(i, Tracer::Implementation::turned_out(faces.mirrored[i], Normal(faces.geometric[i])));
     }
-    const Vector direction = Tracer::Implementation::turned_out(faces.mirrored[lane], Normal(faces.geometric[lane]));
-    next.sender[next.count] = sender, next.reflection[next.count] = reflection;
-    next.add(faces.depart(lane, direction), onward);
+}
+
+void PacketPaths::mirror_rays(FacePacket& faces, Wave& wave, Wave& next) {
+    const unsigned mirroring = positive_lanes(faces.reflection) & faces.lanes();
+    if (mirroring == 0) return;
+    tracer_.statistics.mirrored_rays += static_cast<std::uint64_t>(std::popcount(mirroring));
+    turn_mirrored_out(faces);
+    RayPacket rays;
+    faces.depart(faces.mirrored, rays);
+    for (unsigned rest = mirroring; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest), sender = faces.ray[lane];
+        const double reflection = faces.reflection[lane];
+        const Path& path = wave.paths[sender];
+        const Path onward{path.weight * reflection, path.depth + 1, faces.travelled[lane], 2 * path.branch, path.faces + 1};
+        if (onward.ends(tracer_.settings)) {
+            wave.colours[sender] += reflection * world_.background;
+            continue;
+        }
+        next.sender[next.count] = sender, next.reflection[next.count] = reflection;
+        next.paths[next.count] = onward;
+        next.own_rays[next.count / width].add(rays, lane);
+        ++next.count;
+    }
 }
 
 }  // namespace lapidary

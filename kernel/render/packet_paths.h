@@ -89,7 +89,6 @@ private:
         std::vector<Contribution> contributions;
 
         void clear();
-        void add(const Ray& ray, const Path& path);
         void fill_up();
         Ray ray(int i) const { return rays[i / width].ray(i % width); }
         double t(int i) const { return boundaries[i / width].t[i % width]; }
@@ -97,8 +96,7 @@ private:
         std::int32_t face(int i) const { return boundaries[i / width].face[i % width]; }
         std::int32_t solid(int i) const { return boundaries[i / width].solid[i % width]; }
         void begin_camera_rays();
-        void add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
-                                const Colour& passed_before, std::uint32_t lit_before);
+        void send(const RayPacket& from, int lane);
         double from(int i) const { return stretches[static_cast<std::size_t>(i / width)].from[i % width]; }
         int packets_under_way() const { return (end - begin + width - 1) / width; }
         const ChangePacket& change(int i) const { return changes[(i - begin) / width]; }
@@ -133,8 +131,8 @@ private:
         void copy_matter(int lane, int from);
         void fill_up();
         bool is_transparent(int lane) const { return (transparent >> lane & 1) != 0; }
-        // A ray that starts at a face, at the side that its direction points to.
-        Ray depart(int lane, const Vector& direction) const;
+        // Rays that start at the faces, each at the side that its direction points to.
+        void depart(const VectorLanes& directions, RayPacket& rays) const;
     };
 
     // Points of the lanes that meet a face beside the origins of their rays.
@@ -211,7 +209,9 @@ private:
     void cast_waiting_shadows();
     static void light_face(const Shadows& shadows, int ray, const Colour& passed);
     void finish_colours(std::size_t depth);
-    void mirror_ray(FacePacket& faces, int lane, Wave& wave, Wave& next);
+    static void show_colours(const FacePacket& faces, ColourLanes& shown);
+    static void turn_mirrored_out(FacePacket& faces);
+    void mirror_rays(FacePacket& faces, Wave& wave, Wave& next);
     FacePacket& new_faces();
 
     // Through transparent matter.
@@ -234,11 +234,11 @@ private:
     void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
     double index_beside(const FacePacket& faces, int lane, std::int32_t solid, Side side) const;
     void find_indices(std::int32_t shown, const Wave& wave, FacePacket& faces) const;
-    void divide_light(Wave& wave, Wave& next, const FacePacket& faces);
-    static std::optional<Vector> refracted_direction(const FacePacket& faces, int lane);
+    void divide_light(Wave& wave, Wave& next, FacePacket& faces);
+    void refract_rays(Wave& wave, Wave& next, const FacePacket& faces, const Lanes& weights, unsigned lanes);
     void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);
-    void send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
-              Tracer::Implementation::Turn turn);
+    void send(Wave& wave, Wave& next, const FacePacket& faces, const VectorLanes& directions, const Lanes& weights,
+              unsigned lanes, Tracer::Implementation::Turn turn);
     void cast_dimmed_shadows();
     bool dim(int lane, const ChangePacket& changes, double from, Colour& passed);
     Label label_of(std::int32_t solid) const;

@@ -256,24 +256,28 @@ void PacketPaths::go_on(Wave& wave, Wave& next, int ray, double from, std::span<
         trace_alone(wave, ray, first);
         return;
     }
-    wave.contributions.push_back({ray, next.count, 1});
-    next.add_through_matter(wave.ray(ray), wave.paths[ray], from, wave.gathered[ray], wave.passed[ray], wave.lit[ray]);
+    const int onward = next.count;
+    wave.contributions.push_back({ray, onward, 1});
+    next.paths[onward] = wave.paths[ray];
+    next.send(wave.rays[ray / width], ray % width);
+    next.stretches[onward / width].from[onward % width] = from;
+    next.gathered[onward] = wave.gathered[ray], next.passed[onward] = wave.passed[ray], next.lit[onward] = wave.lit[ray];
     wave.colours[ray] = wave.gathered[ray] = Colour::black(), wave.passed[ray] = Colour::white();
 }
 
 void PacketPaths::Wave::begin_camera_rays() {
-    for (PacketThroughWorld::Stretch& stretch : stretches) stretch.from.v.fill(0), stretch.limit.v.fill(infinity);
+    for (PacketThroughWorld::Stretch& stretch : stretches) stretch.from.v.fill(0);
     std::fill_n(gathered.begin(), count, Colour::black());
     std::fill_n(passed.begin(), count, Colour::white());
     std::fill_n(lit.begin(), count, 0);
 }
 
-void PacketPaths::Wave::add_through_matter(const Ray& ray, const Path& path, double from, const Colour& gathered_before,
-                                           const Colour& passed_before, std::uint32_t lit_before) {
-    PacketThroughWorld::Stretch& stretch = stretches[static_cast<std::size_t>(count / width)];
-    stretch.from[count % width] = from, stretch.limit[count % width] = infinity;
-    gathered[count] = gathered_before, passed[count] = passed_before, lit[count] = lit_before;
-    add(ray, path);
+// A ray that sets out from a face; its path is set.
+void PacketPaths::Wave::send(const RayPacket& from, int lane) {
+    stretches[count / width].from[count % width] = 0;
+    gathered[count] = Colour::black(), passed[count] = Colour::white(), lit[count] = 0;
+    own_rays[count / width].add(from, lane);
+    ++count;
 }
 
 // Rays that meet the same face of a leaf; faces.ray is known already.
@@ -401,75 +405,119 @@ bool PacketPaths::dim(int lane, const ChangePacket& changes, double from, Colour
 
 // ---- colours ---------------------------------------------------------------------------------------------------------
 
+namespace {
+
+// How light divides at the faces of a packet: what counts of the mirrored and of the refracted rays. Bit i for lane i.
+struct DividedLight {
+    Lanes mirrored, refracted;
+    unsigned passes;  // the faces that neither bend, mirror nor cover what is behind them
+};
+
+template <class Faces>
+[[gnu::noinline]] void divide(const Faces& __restrict faces, DividedLight& __restrict divided) {
+    const std::int64_t transparent_lanes = faces.transparent;
+    for (int i = 0; i < batch_size; ++i) {
+        const bool transparent = (transparent_lanes & bit_of(i)) != 0;
+        const double before = transparent ? faces.index_before[i] : 1, behind = transparent ? faces.index_behind[i] : 1;
+        const double reflection = faces.reflection[i];
+        const double fresnel = fresnel_reflectance(faces.arriving[i], Normal(faces.shading[i]), before, behind);
+        const double clear = transparent ? (1 - reflection) * (1 - faces.opacity[i]) : 0;
+        divided.mirrored[i] = reflection + clear * fresnel;
+        divided.refracted[i] = clear * (1 - fresnel);
+    }
+    std::int64_t passes = 0;
+    for (int i = 0; i < batch_size; ++i) {
+        const bool is_smooth = faces.index_before[i] == faces.index_behind[i];
+        const bool covers = either(faces.opacity[i] != 0, faces.reflection[i] != 0);
+        passes |= both(is_smooth, !covers) ? bit_of(i) : 0;
+    }
+    divided.passes = static_cast<unsigned>(passes & transparent_lanes);
+}
+
+// Refracted rays for all lanes, and those of total reflection. Returns the lanes that are unusual: where light goes straight on,
+// or a bent normal would turn it back.
+template <class Faces>
+[[gnu::noinline]] unsigned find_refracted(const Faces& __restrict faces, VectorLanes& __restrict directions,
+                                          unsigned& __restrict total) {
+    std::int64_t unusual = 0, total_lanes = 0;
+    for (int i = 0; i < batch_size; ++i) {
+        const double eta = faces.index_before[i] / faces.index_behind[i];
+        const Refraction refraction = refract(faces.arriving[i], Normal(faces.shading[i]), eta);
+        directions.set(i, refraction.direction);
+        total_lanes |= refraction.is_total ? bit_of(i) : 0;
+        unusual |= either(eta == 1, dot(refraction.direction, faces.geometric[i]) >= 0) ? bit_of(i) : 0;
+    }
+    total = static_cast<unsigned>(total_lanes);
+    return static_cast<unsigned>(unusual);
+}
+
+}  // namespace
+
 // Tracer::Implementation::shade for all faces of a packet, without what comes back along the rays that are sent.
 // All mirrored rays of a packet before the refracted ones: so these stay together.
-void PacketPaths::divide_light(Wave& wave, Wave& next, const FacePacket& faces) {
+void PacketPaths::divide_light(Wave& wave, Wave& next, FacePacket& faces) {
     using Turn = Tracer::Implementation::Turn;
-    Lanes refracted_weight;
-    for (int i = 0; i < faces.count; ++i) {
-        const int ray = faces.ray[i];
-        const Colour highlight = faces.highlight[i];
-        const Colour local = faces.colour[i] * (faces.ambient[i] + faces.diffuse[i]) + highlight;
-        const double reflection = faces.reflection[i], opacity = faces.opacity[i];
-        double mirrored_weight = reflection;
-        refracted_weight[i] = 0;
-        if (!faces.is_transparent(i)) {
-            wave.colours[ray] = (1 - reflection) * local;
-        } else if (faces.index_before[i] == faces.index_behind[i] && opacity == 0 && reflection == 0) {
-            wave.gathered[ray] += wave.passed[ray] * highlight;
-            ++wave.lit[ray];
-            go_on(wave, next, ray, faces.t[i], {});
-            continue;
-        } else {
-            const double fresnel =
-                fresnel_reflectance(faces.arriving[i], Normal(faces.shading[i]), faces.index_before[i], faces.index_behind[i]);
-            const double clear = (1 - reflection) * (1 - opacity);
-            mirrored_weight = reflection + clear * fresnel;
-            refracted_weight[i] = clear * (1 - fresnel);
-            wave.colours[ray] = (1 - reflection) * (opacity * local + (1 - opacity) * highlight);
-        }
-        if (!(mirrored_weight > 0)) continue;
-        const Vector mirrored = Tracer::Implementation::turned_out(faces.mirrored[i], Normal(faces.geometric[i]));
-        send(wave, next, faces, i, mirrored, mirrored_weight, Turn::mirrored);
+    DividedLight divided{faces.reflection, {}, 0};
+    if (faces.transparent != 0) divide(faces, divided);
+    ColourLanes shown;
+    show_colours(faces, shown);
+    for (int i = 0; i < faces.count; ++i) wave.colours[faces.ray[i]] = shown[i];
+    for (unsigned rest = divided.passes; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest), ray = faces.ray[lane];
+        wave.gathered[ray] += wave.passed[ray] * faces.highlight[lane];
+        ++wave.lit[ray];
+        go_on(wave, next, ray, faces.t[lane], {});
     }
-    if (faces.transparent == 0) return;
-    for (int i = 0; i < faces.count; ++i) {
-        if (!(refracted_weight[i] > 0)) continue;
-        if (const std::optional<Vector> direction = refracted_direction(faces, i)) {
-            send(wave, next, faces, i, *direction, refracted_weight[i], Turn::refracted);
-        } else {
-            ++tracer_.statistics.refracted_rays;
-            wave.contributions.push_back({faces.ray[i], -1, refracted_weight[i]});
-        }
+    const unsigned divides = faces.lanes() & ~divided.passes;
+    const unsigned mirrored = positive_lanes(divided.mirrored) & divides;
+    if (mirrored != 0) {
+        turn_mirrored_out(faces);
+        send(wave, next, faces, faces.mirrored, divided.mirrored, mirrored, Turn::mirrored);
     }
+    const unsigned refracted = positive_lanes(divided.refracted) & faces.transparent & divides;
+    if (refracted != 0) refract_rays(wave, next, faces, divided.refracted, refracted);
 }
 
-// A direction that a bent normal would turn back to the viewer's side is refracted at the true one.
-std::optional<Vector> PacketPaths::refracted_direction(const FacePacket& faces, int lane) {
-    const Vector arriving = faces.arriving[lane];
-    const Normal geometric(faces.geometric[lane]);
-    const double eta = faces.index_before[lane] / faces.index_behind[lane];
-    std::optional<Vector> direction = eta == 1 ? arriving : refract(arriving, Normal(faces.shading[lane]), eta);
-    if (direction && dot(*direction, geometric) >= 0) direction = refract(arriving, geometric, eta);
-    return direction;
+// Where nothing is refracted, the background is what is seen.
+void PacketPaths::refract_rays(Wave& wave, Wave& next, const FacePacket& faces, const Lanes& weights, unsigned lanes) {
+    VectorLanes directions;
+    unsigned total = 0;
+    const unsigned unusual = find_refracted(faces, directions, total);
+    for (unsigned rest = lanes & unusual; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        const Normal shading(faces.shading[i]), geometric(faces.geometric[i]);
+        const double eta = faces.index_before[i] / faces.index_behind[i];
+        const Refraction refraction = Tracer::Implementation::refracted(faces.arriving[i], shading, geometric, eta);
+        directions.set(i, refraction.direction);
+        total = refraction.is_total ? total | 1u << i : total & ~(1u << i);
+    }
+    for (unsigned rest = lanes & total; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        ++tracer_.statistics.refracted_rays;
+        wave.contributions.push_back({faces.ray[i], -1, weights[i]});
+    }
+    send(wave, next, faces, directions, weights, lanes & ~total, Tracer::Implementation::Turn::refracted);
 }
 
-// The ray that goes on from a face, or the background where it would count too little.
-void PacketPaths::send(Wave& wave, Wave& next, const FacePacket& faces, int lane, const Vector& direction, double weight,
-                       Tracer::Implementation::Turn turn) {
+// The rays that go on from faces, or the background where they would count too little.
+void PacketPaths::send(Wave& wave, Wave& next, const FacePacket& faces, const VectorLanes& directions, const Lanes& weights,
+                       unsigned lanes, Tracer::Implementation::Turn turn) {
     const bool refracted = turn == Tracer::Implementation::Turn::refracted;
-    ++(refracted ? tracer_.statistics.refracted_rays : tracer_.statistics.mirrored_rays);
-    const int ray = faces.ray[lane];
-    const Path& path = wave.paths[ray];
-    const double weight_here = path.weight * largest(wave.passed[ray]);
-    const Path onward{weight_here * weight, path.depth + 1, faces.travelled[lane], 2 * path.branch + refracted,
-                      path.faces + wave.lit[ray] + 1};
-    if (onward.ends(tracer_.settings)) {
-        wave.contributions.push_back({ray, -1, weight});
-        return;
+    (refracted ? tracer_.statistics.refracted_rays : tracer_.statistics.mirrored_rays) +=
+        static_cast<std::uint64_t>(std::popcount(lanes));
+    RayPacket rays;
+    faces.depart(directions, rays);
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest), ray = faces.ray[lane];
+        const Path& path = wave.paths[ray];
+        const double weight = weights[lane], weight_here = path.weight * largest(wave.passed[ray]);
+        const Path onward{weight_here * weight, path.depth + 1, faces.travelled[lane], 2 * path.branch + refracted,
+                          path.faces + wave.lit[ray] + 1};
+        const bool ends = onward.ends(tracer_.settings);
+        wave.contributions.push_back({ray, ends ? -1 : next.count, weight});
+        next.paths[next.count] = onward;
+        if (!ends) next.send(rays, lane);
     }
-    wave.contributions.push_back({ray, next.count, weight});
-    next.add_through_matter(faces.depart(lane, direction), onward, 0, Colour::black(), Colour::white(), 0);
 }
 
 }  // namespace lapidary

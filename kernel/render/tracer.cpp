@@ -291,12 +291,11 @@ Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const P
         result += mirrored_weight * continue_path(ray, e, mirrored_direction(ray, e), mirrored_weight, path, Turn::mirrored);
     }
     if (refracted_weight > 0) {
-        const double eta = e.index_before / e.index_behind;
-        std::optional<Vector> direction = eta == 1 ? ray.direction : refract(ray.direction, e.shading, eta);
-        if (direction && dot(*direction, e.geometric) >= 0) direction = refract(ray.direction, e.geometric, eta);
+        const Refraction refraction = refracted(ray.direction, e.shading, e.geometric, e.index_before / e.index_behind);
         ++statistics.refracted_rays;
-        result += refracted_weight *
-                  (direction ? continue_path(ray, e, *direction, refracted_weight, path, Turn::refracted) : world.background);
+        result += refracted_weight * (refraction.is_total
+                                          ? world.background
+                                          : continue_path(ray, e, refraction.direction, refracted_weight, path, Turn::refracted));
     }
     return result;
 }

@@ -111,6 +111,12 @@ struct Tracer::Implementation {
         const double below = dot(mirrored, geometric);
         return below < 0 ? renormalize(mirrored - 2 * below * to_vector(geometric)) : mirrored;
     }
+    // A direction that a bent normal would turn back to the viewer's side is refracted at the true one.
+    static Refraction refracted(const Vector& arriving, const Normal& shading, const Normal& geometric, double eta) {
+        const Refraction refraction = eta == 1 ? Refraction{arriving} : refract(arriving, shading, eta);
+        const bool turned_back = !refraction.is_total && dot(refraction.direction, geometric) >= 0;
+        return turned_back ? refract(arriving, geometric, eta) : refraction;
+    }
     double index_of(const Label& label, const MatterSite& site, const Vector& toward, const Matter* known) const;
     Lit light(const Ray& ray, const Encounter& encounter, const Path& path);
     // What a light would add to an encounter if nothing stood between; nothing where that is nothing.

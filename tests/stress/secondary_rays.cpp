@@ -108,16 +108,16 @@ void check_exits(int rays) {
         const Ray ray = ray_from(Point{offset, offset, offset} + (beside - 10 * d), d);
         const FaceHit entry = walk.next(ray);
         if (entry.leaf < 0) continue;  // far from the origin the ray itself is rounded
-        const std::optional<Vector> inward = refract(d, entry.normal, 1 / 1.5);
-        REQUIRE(inward);
-        const FaceHit exit = walk.next(ray_off(entry, *inward));
+        const Refraction inward = refract(d, entry.normal, 1 / 1.5);
+        REQUIRE_FALSE(inward.is_total);
+        const FaceHit exit = walk.next(ray_off(entry, inward.direction));
         measured.expect(exit.leaf >= 0);
         if (exit.leaf < 0) continue;
         // From p on the unit sphere along w, the way out is -2 p.w / w.w.
         const TwoPartPoint& point = entry.point;
         const ExactVector p{Exact(point.anchor.x) + point.offset.x - offset, Exact(point.anchor.y) + point.offset.y - offset,
                             Exact(point.anchor.z) + point.offset.z - offset};
-        const ExactVector w = *inward;
+        const ExactVector w = inward.direction;
         const Exact expected = -2 * dot(p, w) / dot(w, w);
         measured.record(std::fabs(static_cast<double>(walk.distance() - expected)));
     }
