@@ -21,8 +21,8 @@ struct Pixel {
     double variance = 0;                                   // of its samples, after the last pass
     double moves = no_moves;                               // of its colour, as remembered_moves() keeps them
     float error = std::numeric_limits<float>::infinity();  // as estimated last
-    std::uint32_t taken = 0;                               // samples traced, also those that were not finite
-    std::uint32_t middles = 0;                             // 1 where the middle was traced, all there is before the samples
+    std::uint32_t taken : 31 = 0;                          // samples traced, also those that were not finite
+    std::uint32_t middles : 1 = 0;                         // 1 where the middle was traced, all there is before the samples
 
     void keep_middle(const Colour& colour) {
         estimate.add(colour);
@@ -31,6 +31,8 @@ struct Pixel {
     std::uint32_t rays() const { return taken + middles; }
     bool has_only_middle() const { return middles > 0 && taken == 0; }
 };
+
+static_assert(sizeof(Pixel) == 64);
 
 class PixelField {
 public:
