@@ -26,52 +26,50 @@ public:
         const double slack = 0x1p-46 * (size_of(from) + size_of(to) + largest_magnitude(anchor) + reach);
         const Vector from_low = from.low - anchor, from_high = from.high - anchor;
         const Vector to_low = to.low - anchor, to_high = to.high - anchor;
-        add(Corner::high, 0, from_low.x - slack, to_low.x - from_low.x);
-        add(Corner::high, 1, from_low.y - slack, to_low.y - from_low.y);
-        add(Corner::high, 2, from_low.z - slack, to_low.z - from_low.z);
-        add(Corner::low, 0, from_high.x + slack, to_high.x - from_high.x);
-        add(Corner::low, 1, from_high.y + slack, to_high.y - from_high.y);
-        add(Corner::low, 2, from_high.z + slack, to_high.z - from_high.z);
+        low_sides_ = {side(1, from_low.x - slack, to_low.x - from_low.x), side(1, from_low.y - slack, to_low.y - from_low.y),
+                      side(1, from_low.z - slack, to_low.z - from_low.z)};
+        high_sides_ = {side(-1, from_high.x + slack, to_high.x - from_high.x),
+                       side(-1, from_high.y + slack, to_high.y - from_high.y),
+                       side(-1, from_high.z + slack, to_high.z - from_high.z)};
     }
 
     // Whether any way may meet a box. What is no number counts as met.
     template <class Triple>
     bool may_meet(const Triple& low, const Triple& high) const {
         constexpr double rounding = 0x1p-40;
-        const std::array<double, 6> corners{low[0], low[1], low[2], high[0], high[1], high[2]};
         double first = -rounding, last = 1 + rounding;
-        for (std::size_t i = 0; i < first_count_; ++i) {
-            const double bound = firsts_[i].at(corners);
-            first = bound > first ? bound : first;
-        }
-        for (std::size_t i = 0; i < last_count_; ++i) {
-            const double bound = lasts_[i].at(corners);
-            last = bound < last ? bound : last;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low_sides_[axis].narrow(high[axis], first, last);
+            high_sides_[axis].narrow(low[axis], first, last);
         }
         return !(first > last);
     }
 
 private:
-    enum class Corner : std::uint8_t { low = 0, high = 3 };
-    // The part of the way at which a coordinate that runs evenly comes to that of a box's corner.
-    struct Bound {
-        double begin = 0, inverse_slope = 0;
-        std::size_t corner = 0;
-        double at(const std::array<double, 6>& corners) const { return (corners[corner] - begin) * inverse_slope; }
+    // A coordinate that runs evenly along the way has to be on one side of that of a box's corner: from some part of the way on,
+    // or up to there.
+    struct Side {
+        double begin, inverse_slope;
+        double unbounded;  // infinity where the part is the first, -infinity where it is the last
+
+        // Chosen without branches, and so that what is no number changes nothing.
+        void narrow(double corner, double& first, double& last) const {
+            const double part = (corner - begin) * inverse_slope;
+            const double begins = unbounded < part ? unbounded : part, ends = unbounded > part ? unbounded : part;
+            first = begins > first ? begins : first;
+            last = ends < last ? ends : last;
+        }
     };
 
     // What runs toward its corner ends there, what comes from beyond it begins there; what stands still is on the right side
-    // always or never.
-    void add(Corner corner, std::size_t axis, double begin, double slope) {
-        const double side = corner == Corner::high ? 1 : -1;  // low sides stay below the high corner, high ones above the low
-        const double inverse = slope != 0 ? 1 / slope : side * 1e300;
-        const Bound bound{begin, inverse, static_cast<std::size_t>(corner) + axis};
-        (inverse * side > 0 ? lasts_[last_count_++] : firsts_[first_count_++]) = bound;
+    // always or never. Low sides stay below the corner (1), high ones above it (-1).
+    static Side side(double below, double begin, double slope) {
+        const double inverse = slope != 0 ? 1 / slope : below * 1e300;
+        return {begin, inverse, inverse * below > 0 ? -infinity : infinity};
     }
     static double size_of(const Bounds& box) { return largest_magnitude(box.low) + largest_magnitude(box.high); }
 
-    std::array<Bound, 6> firsts_, lasts_;
-    std::size_t first_count_ = 0, last_count_ = 0;
+    std::array<Side, 3> low_sides_, high_sides_;
 };
 
 }  // namespace lapidary
