@@ -175,6 +175,33 @@ TEST_CASE("a flat picture takes the first samples only, twice as many for small 
     }
 }
 
+// Left of an edge that crosses the pixels of one column all is black, right of it grey. Black wires, thinner than a pixel and
+// between all middles, run beside the edge and far from it.
+TEST_CASE("of pixels that rest on their middles, those beside pixels that show spread are woken") {
+    constexpr int width = 48, height = 24, edge = 16;
+    const auto wires = integrand_of([](const Ray& ray) {
+        const double x = ray.origin.rounded().x + width / 2.0;
+        const auto is_on_wire_of = [x](int column) { return x > column + 0.6 && x < column + 0.8; };
+        if (is_on_wire_of(edge + 1) || is_on_wire_of(edge + 20)) return Colour::black();
+        return Colour::grey(x < edge + 0.3 ? 0 : 0.75);
+    });
+    Camera description;
+    description.projection = Camera::Projection::orthographic;
+    description.screen_height = height;  // a pixel is a unit
+    const CameraRays camera(description, width, height);
+    Frame frame(width, height, {Layer::samples});
+    render_passes(wires, camera, PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(0.05), frame, {});
+    const auto samples_of = [&](int x) { return frame.pixel(Layer::samples, x, height / 2)[0]; };
+    const auto grey_of = [&](int x) { return frame.pixel(Layer::colour, x, height / 2)[0]; };
+    CHECK(samples_of(edge) > 4);
+    CHECK(std::fabs(grey_of(edge) - 0.7 * 0.75) < 0.05);
+    CHECK(samples_of(edge + 1) > 4);  // woken: its middle lies between those beside it
+    CHECK(std::fabs(grey_of(edge + 1) - 0.8 * 0.75) < 0.05);
+    CHECK(samples_of(edge + 10) == 1);  // nothing is near
+    CHECK(samples_of(edge + 20) == 1);  // what hides there is not looked for
+    CHECK(grey_of(edge + 20) == 0.75);
+}
+
 TEST_CASE("a picture of nothing but NaN ends, black") {
     const auto poisoned = integrand_of([](const Ray&) { return Colour::grey(std::numeric_limits<double>::quiet_NaN()); });
     Frame frame(16, 16, {});
