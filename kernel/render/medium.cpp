@@ -64,10 +64,13 @@ Colour integrate(const Material& material, const MaterialLine& line, double t0, 
 
 Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward) {
     if (instance.is_uniform()) return instance.matter();
-    const Point p = instance.placement().to_local(site.point);
+    const Transform& placement = instance.placement();
+    const Matrix3& inverse = placement.inverse_linear();
+    const TwoPartVector from_centre = site.point - placement.centre();
     const double footprint = site.footprint * instance.scale();
-    const double step = 1e-6 * footprint + 0x1p-40 * largest_component(p);
-    return instance.material().evaluate({p + step * normalize(instance.placement().to_local(toward)), footprint});
+    const Point point = placement.has_identity_linear() ? point_beside<true>(from_centre, footprint, toward, inverse)
+                                                        : point_beside<false>(from_centre, footprint, toward, inverse);
+    return instance.material().evaluate({point, footprint});
 }
 
 // Apart is measured across the boundary, not along the line: rounding moves a point by some ulps, and on a line that grazes the

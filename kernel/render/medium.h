@@ -22,6 +22,16 @@ struct MatterSite {
 // The step is a millionth of a pixel, and above the rounding of the point.
 LAPIDARY_API Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);
 
+// Where that is: the site's place from the centre of the material's space, and its footprint there. `inverse` leads there
+// where that space is turned or stretched.
+template <bool identity>
+Point point_beside(const TwoPartVector& from_centre, double footprint, const Vector& toward, const Matrix3& inverse) {
+    const auto to_local = [&inverse](const Vector& v) { return identity ? v : multiply(v, inverse); };
+    const Point p = to_point(to_local(from_centre.hi) + to_local(from_centre.lo));
+    const double step = 1e-6 * footprint + 0x1p-40 * largest_magnitude(p);
+    return p + step * normalize(to_local(toward));
+}
+
 // The ray in a material's space: the same t as in the world.
 inline MaterialLine material_line(const MaterialInstance& instance, const TwoPartPoint& origin, const Vector& direction) {
     return {instance.placement().to_local(origin), instance.placement().to_local(direction)};

@@ -390,7 +390,35 @@ void PacketPaths::FacePacket::copy_matter(int lane, int from) {
     opacity[lane] = opacity[from], index_behind[lane] = index_behind[from];
 }
 
-// Sampled on the solid side of the faces.
+namespace {
+
+// Where the matter of faces is to be sampled, in its own space: on the solid side, which is behind but for rays that leave it.
+struct MatterSites {
+    PointBatch points;
+    Lanes footprints;
+};
+
+template <bool identity, class Faces>
+[[gnu::noinline]] void find_sites(const PlacedTexture& texture, double pixel_footprint, const Faces& __restrict faces,
+                                  MatterSites& __restrict sites) {
+    const TwoPartPoint centre = texture.placement.centre();
+    const Matrix3 inverse = texture.placement.inverse_linear();
+    const double scale = texture.scale;
+    const std::int64_t leaving = faces.leaving;
+    for (int i = 0; i < PacketPaths::width; ++i) {
+        const Vector beyond = ahead(faces.arriving[i], Normal(faces.geometric[i]));
+        const double side = (leaving & bit_of(i)) != 0 ? -1 : 1;
+        const TwoPartPoint point{to_point(faces.anchor[i]), faces.offset[i]};
+        const double footprint = pixel_footprint * faces.travelled[i] * scale;
+        const Point beside = point_beside<identity>(point - centre, footprint, side * beyond, inverse);
+        sites.points.x[i] = beside.x, sites.points.y[i] = beside.y, sites.points.z[i] = beside.z;
+        sites.footprints[i] = footprint;
+    }
+}
+
+}  // namespace
+
+// matter_beside() for all lanes.
 void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& faces) {
     if (material.is_uniform()) {
         const Matter matter = material.matter();
@@ -398,16 +426,19 @@ void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& face
         faces.transparent = matter.is_transparent() ? faces.lanes() : 0;
         return;
     }
+    const PlacedTexture& texture = *material.texture;
+    MatterSites sites;
+    if (texture.placement.has_identity_linear())
+        find_sites<true>(texture, tracer_.pixel_footprint, faces, sites);
+    else
+        find_sites<false>(texture, tracer_.pixel_footprint, faces, sites);
     for (int i = 0; i < faces.count; ++i) {
-        const Vector arriving = faces.arriving[i];
-        const Normal geometric(faces.geometric[i]);
-        const Vector beyond = Tracer::Implementation::ahead(arriving, geometric);
-        const bool leaving = (faces.leaving >> i & 1) != 0;
-        const Matter matter = matter_beside(material, site_of(faces, i), leaving ? -beyond : beyond);
+        const Matter matter = texture.material->evaluate({sites.points.point(i), sites.footprints[i]});
         faces.set_matter(i, matter);
         faces.transparent |= static_cast<unsigned>(matter.is_transparent()) << i;
-        if (world_.features.relief)
-            faces.shading.set(i, Tracer::Implementation::bent_normal(arriving, geometric, material, matter));
+        if (!world_.features.relief) continue;
+        const Normal geometric(faces.geometric[i]);
+        faces.shading.set(i, Tracer::Implementation::bent_normal(faces.arriving[i], geometric, material, matter));
     }
     for (int i = faces.count; i < width; ++i) faces.copy_matter(i, 0);
 }

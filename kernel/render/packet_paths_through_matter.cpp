@@ -337,7 +337,7 @@ double PacketPaths::index_beside(const FacePacket& faces, int lane, std::int32_t
     if (solid < 0) return 1;
     const MaterialInstance& medium = world_.materials[world_.insides[solid].medium];
     if (medium.is_uniform()) return medium.finish->is_transparent() ? medium.finish->refraction : 1;
-    const Vector beyond = Tracer::Implementation::ahead(faces.arriving[lane], Normal(faces.geometric[lane]));
+    const Vector beyond = ahead(faces.arriving[lane], Normal(faces.geometric[lane]));
     return tracer_.index_of(label_of(solid), site_of(faces, lane), side == Side::after ? beyond : -beyond, nullptr);
 }
 

@@ -50,6 +50,10 @@ struct Encounter {
     Normal outward;
 };
 
+// Behind a face and on along the ray: where it meets an edge between regions of a texture, matter is that of the region which it
+// goes on in.
+inline Vector ahead(const Vector& arriving, const Normal& geometric) { return arriving - to_vector(geometric); }
+
 // Where a shadow ray ends: as far before the light as makes sure that a face which the light stands on does not block it,
 // whatever rounding does, while the cosine between ray and face normal is above 1/1000. Of a light at infinity: nowhere.
 inline double end_before_light(const Point& from, double distance) {
@@ -101,9 +105,6 @@ struct Tracer::Implementation {
     std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
     std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
                                                 double travelled);
-    // Behind a face and on along the ray: where it meets an edge between regions of a texture, matter is that of the region
-    // which it goes on in.
-    static Vector ahead(const Vector& arriving, const Normal& geometric) { return arriving - to_vector(geometric); }
     static Normal bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
                               const Matter& matter);
     // Off a bent normal the mirrored ray may point into the surface: it is turned back out.
