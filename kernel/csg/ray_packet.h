@@ -52,6 +52,15 @@ inline bool is_same_in_lanes(const std::array<std::int32_t, batch_size>& values)
     return same == batch_size;
 }
 
+inline unsigned lanes_that_differ(const std::array<std::int32_t, batch_size>& a, const std::array<std::int32_t, batch_size>& b) {
+    std::int64_t differ = 0;
+    for (int i = 0; i < batch_size; ++i) {
+        const auto lane = static_cast<std::size_t>(i);
+        differ |= a[lane] != b[lane] ? bit_of(i) : 0;
+    }
+    return static_cast<unsigned>(differ);
+}
+
 // The least and the largest number of all lanes: by halves, as vectors are folded.
 template <class Choose>
 double fold_lanes(const double* __restrict v, Choose choose) {

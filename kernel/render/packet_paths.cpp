@@ -166,8 +166,8 @@ void PacketPaths::note_rays(const Wave& wave, std::int32_t leaf, const RayPacket
     for (int lane = 0; lane < width; ++lane) {
         const int ray = faces.ray[lane];
         if (wave.starts_inside(ray)) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
-        note_path(wave.paths[ray], lane, t, faces);
     }
+    note_paths(wave, t, faces);
 }
 
 // The matter that faces of a leaf show, where they are.
@@ -179,9 +179,12 @@ void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket&
     describe(leaf, material, faces, first);
 }
 
-void PacketPaths::note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces) {
-    faces.travelled[lane] = path.travelled + t[lane];
-    faces.light_samples[lane] = tracer_.extended_lights * path.faces;
+void PacketPaths::note_paths(const Wave& wave, const Lanes& t, FacePacket& faces) {
+    for (int lane = 0; lane < width; ++lane) {
+        const Path& path = wave.paths[faces.ray[lane]];
+        faces.travelled[lane] = path.travelled + t[lane];
+        faces.light_samples[lane] = tracer_.extended_lights * path.faces;
+    }
 }
 
 // For the layers beside the colour.

@@ -178,7 +178,7 @@ private:
     void collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first);
     bool is_plain(const Wave& wave, int ray) const;
     void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
-    void note_path(const Path& path, int lane, const Lanes& t, FacePacket& faces);
+    void note_paths(const Wave& wave, const Lanes& t, FacePacket& faces);
     void note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<RaySample> first);
     void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);

@@ -103,7 +103,8 @@ void PacketPaths::find_meetings(const ChangePacket& changes, Meetings& meetings)
 }
 
 void PacketPaths::check_first_cells(const RayPacket& rays, const Lanes& from, const Meetings& meetings, unsigned lanes) {
-    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+    const unsigned others = lanes_that_differ(rays.departure.cell, meetings.cell_before);
+    for (unsigned rest = lanes & others; rest != 0; rest &= rest - 1) {
         const int lane = std::countr_zero(rest);
         if (from[lane] == 0) tracer_.check_first_cell(rays.departure[lane], meetings.cell_before[lane]);
     }
@@ -168,6 +169,7 @@ void PacketPaths::meet_one_face(Wave& wave, int packet, std::span<RaySample> fir
     FacePacket& faces = new_faces();
     faces.count = width;
     for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
+    faces.departure.cell = wave.meetings[packet].cell_before, faces.cell_behind = wave.meetings[packet].cell_behind;
     show_faces_at_changes(wave, wave.rays[begin / width], changes.first.t, faces, first);
 }
 
@@ -209,13 +211,17 @@ void PacketPaths::gather_face(Wave& wave, int packet, std::span<RaySample> first
         for (; rest != 0 && !faces.is_full(); rest &= rest - 1) {
             const int lane = std::countr_zero(rest), ray = wave.begin + p * width + lane;
             meetings.plain &= ~(1u << lane);
-            t[faces.count] = met.t[lane];
-            faces.ray[faces.count++] = ray;
+            const int number = faces.count++;
+            t[number] = met.t[lane], faces.ray[number] = ray;
+            faces.departure.cell[number] = meetings.cell_before[lane], faces.cell_behind[number] = meetings.cell_behind[lane];
             rays.add(wave.rays[ray / width], lane);
         }
     }
     rays.fill_up();
-    for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
+    for (int lane = faces.count; lane < width; ++lane) {
+        t[lane] = t[0], faces.ray[lane] = faces.ray[0];
+        faces.departure.cell[lane] = faces.departure.cell[0], faces.cell_behind[lane] = faces.cell_behind[0];
+    }
     show_faces_at_changes(wave, rays, t, faces, first);
 }
 
@@ -280,7 +286,7 @@ void PacketPaths::Wave::send(const RayPacket& from, int lane) {
     ++count;
 }
 
-// Rays that meet the same face of a leaf; faces.ray is known already.
+// Rays that meet the same face of a leaf; which ones and the cells on both sides is known already.
 void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays, const Lanes& t, FacePacket& faces,
                                         std::span<RaySample> first) {
     const int leader = faces.ray[0], lane = leader % width;
@@ -297,17 +303,10 @@ void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays,
 void PacketPaths::note_rays_at_changes(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t,
                                        FacePacket& faces) {
     faces.key = rays.key, faces.t = t;
-    faces.departure.fill({leaf, -1, false, Departure::no_cell});
+    faces.departure.leaf.fill(leaf), faces.departure.surface_class.fill(-1), faces.departure.inward.fill(0);
     faces.depart_alike = true;
-    for (int lane = 0; lane < width; ++lane) {
-        const int ray = faces.ray[lane];
-        const Meetings& meetings = wave.meeting(ray);
-        const auto from = static_cast<std::size_t>(ray % width);
-        faces.departure.cell[static_cast<std::size_t>(lane)] = meetings.cell_before[from];
-        faces.cell_behind[lane] = meetings.cell_behind[from];
-        note_path(wave.paths[ray], lane, t, faces);
-        faces.light_samples[lane] += tracer_.extended_lights * wave.lit[ray];
-    }
+    note_paths(wave, t, faces);
+    for (int lane = 0; lane < width; ++lane) faces.light_samples[lane] += tracer_.extended_lights * wave.lit[faces.ray[lane]];
     std::int64_t leaving = 0;
     for (int lane = 0; lane < width; ++lane) leaving |= faces.cell_behind[lane] < 0 ? bit_of(lane) : 0;
     faces.leaving = static_cast<unsigned>(leaving);
