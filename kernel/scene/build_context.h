@@ -4,6 +4,7 @@
 #pragma once
 
 #include "kernel/scene/names.h"
+#include "kernel/scene/object_pool.h"
 #include "kernel/scene/scene.h"
 #include "kernel/scene/vocabulary.h"
 
@@ -14,6 +15,7 @@ struct BuildContext {
     const std::vector<std::string>& constants;  // names of numbers, for suggestions
     NameTable names;
     Vocabulary vocabulary;
+    ObjectPool objects{};
     int nesting = 0;                          // blocks around the one that is being read
     SceneMaterialPtr plain_matter = nullptr;  // made last
 };

@@ -279,7 +279,7 @@ std::shared_ptr<SceneNode> read_leaf(const Block& block, const Plugin& plugin, B
     if (!properties.finish(block.place) || contents.failed) return nullptr;
 
     auto node = std::make_shared<SceneNode>();
-    node->object = object;
+    node->object = context.objects.share(object, plugin, properties.take_given());
     node->plugin = &plugin;
     return decorate(std::move(node), contents, block.place, context);
 }

@@ -150,10 +150,9 @@ void PropertyReader::assign(const PropertySchema& schema, const Property& proper
 bool PropertyReader::read(const Property& property) {
     const PropertySchema* schema = schema_.find(property.keyword);
     if (!schema) return false;
-    if (!place_of(schema->name))
-        given_.push_back({schema, property.place});
-    else if (!schema->repeats)
+    if (!schema->repeats && place_of(schema->name))
         messages_.warning(property.place, fmt::format("'{}' stands here a second time; the last one counts", schema->name));
+    given_.push_back({schema, &property});
     if (!check(*schema, property)) return true;
     try {
         assign(*schema, property);
@@ -197,8 +196,8 @@ void PropertyReader::derive(const Place& place) {
 }
 
 const Place* PropertyReader::place_of(std::string_view keyword) const {
-    for (const Given& given : given_)
-        if (given.schema->name == keyword) return &given.place;
+    for (const GivenProperty& given : given_)
+        if (given.schema->name == keyword) return &given.property->place;
     return nullptr;
 }
 

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "kernel/registry/schema.h"
@@ -14,7 +15,7 @@
 
 namespace lapidary {
 
-// Reads the properties of one block.
+// Reads the properties of one block, which must stay where they are.
 class PropertyReader {
 public:
     // `target`: the object that the schema describes, as a pointer to its most derived class.
@@ -29,16 +30,14 @@ public:
     // property. False where that fails.
     bool finish(const Place& place);
 
+    // What was read, in the order of writing.
+    std::vector<GivenProperty> take_given() { return std::move(given_); }
     // Where a property stands first; null where the block does not give it.
     const Place* place_of(std::string_view keyword) const;
     bool failed() const { return failed_; }
     std::vector<std::string> known() const;
 
 private:
-    struct Given {
-        const PropertySchema* schema;
-        Place place;
-    };
     bool check(const PropertySchema& schema, const Property& property);
     bool check_value(const PropertySchema& schema, const Value& value, Shape shape);
     void assign(const PropertySchema& schema, const Property& property);
@@ -50,7 +49,7 @@ private:
     std::string_view owner_;
     const BuildContext& context_;
     Messages& messages_;
-    std::vector<Given> given_;
+    std::vector<GivenProperty> given_;
     bool failed_ = false;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // What a scene's text becomes: the shape of trees, the order of transforms, what is shared and what is inherited.
+#include <fmt/format.h>
+
+#include <set>
 #include <string>
 
 #include "kernel/prepare/world.h"
@@ -169,6 +172,48 @@ TEST_CASE("What is painted alike, one after the other, is of one matter", "[buil
     const auto world = prepare_world(*built->scene, built->messages);
     REQUIRE(world->materials.size() == 5);
     for (std::size_t i = 0; i < 5; ++i) CHECK(world->materials[i].number == static_cast<std::int32_t>(i) + 1);
+}
+
+TEST_CASE("Objects of the same kind and properties are one in memory, wherever they stand", "[build]") {
+    const auto built = test::build(
+        "objects { sphere { radius(2); } sphere { colour(1,0,0); radius(2); transform { translate(1,0,0); } } sphere { } "
+        "sphere { radius(1); } cylinder { radius(2); } torus { radii(2, 1); } torus { radii(2, 0.5); } "
+        "union { sphere { radius(2); } torus { radii(2, 1); } sphere { } } } lights { ambient {} }");
+    REQUIRE(built->scene);
+    const auto& operands = built->scene->root->operands;
+    const auto& inner = operands[7]->operands;
+    CHECK(operands[1]->object == operands[0]->object);
+    CHECK(inner[0]->object == operands[0]->object);
+    CHECK(inner[1]->object == operands[5]->object);
+    CHECK(inner[2]->object == operands[2]->object);
+    std::set<const Object*> different;
+    for (std::size_t i : {0, 2, 4, 5, 6}) different.insert(operands[i]->object.get());
+    CHECK(different.size() == 5);
+    CHECK(operands[0] != operands[1]);
+}
+
+TEST_CASE("An object that is like another one is still complained about", "[build]") {
+    const auto built = test::build(
+        "objects { sphere { radius(2); radius(1); } sphere { radius(2); radius(1); } sphere { radius(1); radius(2); } "
+        "sphere { radius(-1); } sphere { radius(-1); } } lights { ambient {} }");
+    REQUIRE(built->scene);
+    CHECK(built->headlines().size() == 5);
+    const auto& operands = built->scene->root->operands;
+    CHECK(operands[0]->object->bounds().high.x == 1);
+    CHECK(operands[1]->object->bounds().high.x == 1);
+    CHECK(operands[2]->object->bounds().high.x == 2);
+    CHECK(operands[3]->object->bounds().high.x == operands[4]->object->bounds().high.x);
+}
+
+TEST_CASE("Of thousands of objects each is as it was written, be there many like it or none", "[build]") {
+    constexpr int count = 3000, sizes = 700;
+    std::string objects;
+    for (int i = 0; i < count; ++i) objects += fmt::format("sphere {{ radius({}); }} ", 1 + i * i % sizes);
+    const auto built = test::build("objects { " + objects + "} lights { ambient {} }");
+    REQUIRE(built->scene);
+    const auto& operands = built->scene->root->operands;
+    REQUIRE(operands.size() == count);
+    for (int i = 0; i < count; ++i) CHECK(operands[static_cast<std::size_t>(i)]->object->bounds().high.x == 1 + i * i % sizes);
 }
 
 TEST_CASE("Lights are placed by their own transforms, then by those of their block", "[build]") {
