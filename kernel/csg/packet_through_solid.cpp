@@ -9,6 +9,7 @@
 #include "kernel/csg/departure.h"
 #include "kernel/csg/near_root.h"
 #include "kernel/math/roots.h"
+#include "kernel/prepare/ask_for.h"
 
 namespace lapidary {
 
@@ -283,6 +284,8 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
         t.v.fill(infinity), leaf.fill(-1);
         return;
     }
+    // By the time that the first negative leaf is looked at, it is there.
+    if (solid.leaf_count > solid.positive_count) ask_for(&world_.leaves[solid.first_leaf + solid.positive_count]);
     // All of the positive leaves: the last entry, while none has ended.
     Lanes first_out;
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
@@ -431,6 +434,7 @@ void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<con
 
 // With placed_ set to the leaf's lines.
 void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+    ask_for(leaf.object);
     placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
     SpanBatch batch;
     leaf.object->spans_batch(placed_.lines, width, &batch);

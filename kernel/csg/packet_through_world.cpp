@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernel/math/outward.h"
+#include "kernel/prepare/ask_for.h"
 
 namespace lapidary {
 
@@ -181,6 +182,19 @@ void PacketThroughWorld::for_each_solid(const SolidsInReach* among, Visit visit)
         if (meets(in_reach.low, in_reach.high, near)) visit(in_reach.solid);
 }
 
+// While a node's boxes are tested, for what lies in them.
+[[gnu::always_inline]] inline void PacketThroughWorld::ask_for_children(const Hierarchy::Node& node) const {
+    for (const std::int32_t child : node.child) {
+        if (child < 0) ask_for(&world_.solids[~child]);
+        if (child >= 0 && child != Hierarchy::no_child) ask_for(&world_.hierarchy.nodes()[child]);
+    }
+}
+
+// Of a solid that waits.
+[[gnu::always_inline]] inline void PacketThroughWorld::ask_for_first_leaf(std::int32_t child) const {
+    if (child < 0) ask_for(&world_.leaves[world_.solids[~child].first_leaf]);
+}
+
 template <PacketThroughWorld::Order order, class Visit>
 void PacketThroughWorld::walk(Visit visit) {
     const std::vector<Hierarchy::Node>& nodes = world_.hierarchy.nodes();
@@ -192,6 +206,7 @@ void PacketThroughWorld::walk(Visit visit) {
         // Down to a solid: of two children that are met the nearer one, while the other waits.
         while (child >= 0) {
             const Hierarchy::Node& node = nodes[child];
+            ask_for_children(node);
             std::array<bool, 2> met;
             for (std::size_t i = 0; i < 2; ++i)
                 met[i] = node.child[i] != Hierarchy::no_child && meets(node.low[i], node.high[i], near[i]);
@@ -199,6 +214,7 @@ void PacketThroughWorld::walk(Visit visit) {
             int next = met[0] ? 0 : 1;
             if (met[0] && met[1]) {
                 if (order == Order::near_first) next = votes_for_second(near[0], near[1]) > 0 ? 1 : 0;
+                ask_for_first_leaf(node.child[1 - next]);
                 children_[size] = node.child[1 - next];
                 nears_[size++] = near[1 - next];
             }

@@ -72,6 +72,8 @@ private:
     void for_each_solid(const SolidsInReach* among, Visit visit);
     template <Order order, class Visit>
     void walk(Visit visit);
+    void ask_for_children(const Hierarchy::Node& node) const;
+    void ask_for_first_leaf(std::int32_t child) const;
     bool meets(const std::array<float, 3>& low, const std::array<float, 3>& high, FloatLanes& near) const;
     static int votes_for_second(const FloatLanes& first, const FloatLanes& second);
     // Whether any ray reaches a box within its limit.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "kernel/math/standard_arithmetic.h"
+#include "kernel/prepare/ask_for.h"
 #include "kernel/prepare/draft.h"
 #include "kernel/prepare/surface_classes.h"
 #include "kernel/prepare/transparency.h"
@@ -203,8 +204,7 @@ private:
     }
 
     // Asks for the memory of the operands to come, in steps, each of which needs what the one before asked for: they stand here
-    // and there, and to wait for each of them would take as long as all the rest. Inline, as g++ 12 takes calls of functions
-    // that do nothing but this for superfluous.
+    // and there, and to wait for each of them would take as long as all the rest.
     [[gnu::always_inline]] static void look_ahead(const std::vector<SceneNodePtr>& operands, std::size_t next) {
         constexpr std::size_t step = 2, few = 4;
         const auto ahead = [&](std::size_t steps) {
@@ -226,12 +226,6 @@ private:
         if (!node.operands.empty()) ask_for(node.operands.data());
         if (node.object) ask_for(node.object.get());
         if (node.material) ask_for(node.material.get());
-    }
-
-    template <class T>
-    [[gnu::always_inline]] static void ask_for(const T* object) {
-        constexpr std::size_t cache_line = 64;
-        for (std::size_t i = 0; i < sizeof(T); i += cache_line) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);
     }
 
     // What an operand of a node finds around itself.
