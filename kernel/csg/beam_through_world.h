@@ -29,7 +29,7 @@ public:
 
 private:
     // More than these, and packets do better with a hierarchy.
-    static constexpr std::size_t most_of_tile = 48, most_of_part = 6;
+    static constexpr std::size_t most_of_tile = 256, most_of_part = 48;
 
     bool list_tile(const BeamAmongBoxes& beam);
 

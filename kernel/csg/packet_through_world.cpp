@@ -178,8 +178,13 @@ void PacketThroughWorld::for_each_solid(const SolidsInReach* among, Visit visit)
     }
     get_ready_for_boxes();
     FloatLanes near;
-    for (const SolidInReach& in_reach : among->bounded)
-        if (meets(in_reach.low, in_reach.high, near)) visit(in_reach.solid);
+    double furthest = largest(limits_);
+    for (const SolidInReach& in_reach : among->bounded) {
+        if (in_reach.depth > furthest) return;
+        if (!meets(in_reach.low, in_reach.high, near)) continue;
+        visit(in_reach.solid);
+        furthest = largest(limits_);
+    }
 }
 
 // While a node's boxes are tested, for what lies in them.

@@ -19,7 +19,7 @@ public:
 
 private:
     // More than these, and packets do better with a hierarchy.
-    static constexpr std::size_t most = 6;
+    static constexpr std::size_t most = 16;
 
     const World& world_;
     double reach_;

@@ -15,12 +15,12 @@ namespace lapidary {
 struct SolidInReach {
     std::array<float, 3> low, high;
     std::int32_t solid;
-    double depth;  // where the box begins
+    double depth;  // no ray meets the box before it has come as far
 };
 
 struct SolidsInReach {
-    bool are_known = false;  // else they may be any of the World's
-    std::vector<SolidInReach> bounded;
+    bool are_known = false;             // else they may be any of the World's
+    std::vector<SolidInReach> bounded;  // by depth
     std::vector<std::int32_t> unbounded;
 };
 

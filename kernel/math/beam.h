@@ -24,7 +24,7 @@ class BeamAmongBoxes {
 public:
     // Boxes are not further than `reach` from the anchor. What rounding may do to a distance from a plane is allowed for: that
     // of the eye's place and of the box's corner, and a few ulp of the sums of their products.
-    BeamAmongBoxes(const Beam& beam, const Point& anchor, double reach) : middle_(beam.middle) {
+    BeamAmongBoxes(const Beam& beam, const Point& anchor, double reach) : middle_(normalize(beam.middle)) {
         const Vector eye = beam.eye - anchor;
         const double size = largest_magnitude(beam.eye) + largest_magnitude(anchor) + largest_magnitude(to_point(eye)) + reach;
         const double slack = 0x1p-48 * size;
@@ -33,7 +33,7 @@ public:
             const double length = std::fabs(inward.x) + std::fabs(inward.y) + std::fabs(inward.z);
             sides_[i] = {inward, dot(inward, eye) - slack * length};
         }
-        depth_of_eye_ = dot(beam.middle, eye);
+        depth_of_eye_ = dot(middle_, eye) + 4 * slack;
     }
 
     // Whether any ray may meet a box. What is no number counts as met.
@@ -44,7 +44,7 @@ public:
         return true;
     }
 
-    // How far along the middle a box begins, in its lengths.
+    // How far along the middle a box begins. No ray meets the box before it has come as far.
     template <class Corner>
     double depth(const Corner& low, const Corner& high) const {
         return -furthest(-middle_, low, high) - depth_of_eye_;
@@ -63,7 +63,7 @@ private:
     }
 
     std::array<Side, 4> sides_;
-    Vector middle_;
+    Vector middle_;  // of unit length
     double depth_of_eye_ = 0;
 };
 

@@ -37,10 +37,10 @@ double reach_of(const RelativeBox& box) {
 
 }  // namespace
 
-TEST_CASE("A beam meets every box that one of its rays meets, from any place and at any angle") {
+TEST_CASE("A beam meets every box that one of its rays meets, and none deeper than the ray, from any place and at any angle") {
     std::mt19937 random(11);
     const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-    int lost = 0, beside = 0, kept_beside = 0;
+    int lost = 0, too_deep = 0, deep = 0, beside = 0, kept_beside = 0;
     for (int i = 0; i < 20000; ++i) {
         Camera view;
         const double size = std::pow(10, number(-6, 6));
@@ -58,7 +58,10 @@ TEST_CASE("A beam meets every box that one of its rays meets, from any place and
         const Point met = view.location + distance * ray.direction;
         const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
         const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
-        lost += !BeamAmongBoxes(*beam, anchor, reach_of(box)).may_meet(box.low, box.high);
+        const BeamAmongBoxes among_boxes(*beam, anchor, reach_of(box));
+        lost += !among_boxes.may_meet(box.low, box.high);
+        const double depth = among_boxes.depth(box.low, box.high);
+        too_deep += depth > distance, deep += depth > 0.5 * distance;
 
         // A box as far from the beam's rays as they run from the eye.
         const Point aside = met + distance * (random() % 2 ? camera.right() : camera.up());
@@ -68,6 +71,8 @@ TEST_CASE("A beam meets every box that one of its rays meets, from any place and
         kept_beside += BeamAmongBoxes(*beam, anchor, reach_of(other)).may_meet(other.low, other.high);
     }
     CHECK(lost == 0);
+    CHECK(too_deep == 0);
+    CHECK(deep > 10000);
     CHECK(beside > 10000);
     CHECK(kept_beside < beside / 10);  // next to nothing, but where places are far off and rounding has to be allowed for
 }
