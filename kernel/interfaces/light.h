@@ -36,6 +36,7 @@ struct alignas(64) IlluminationBatch {
     double distance[batch_size];
     double r[batch_size], g[batch_size], b[batch_size];  // radiance
 
+    Vector direction(int lane) const { return {direction_x[lane], direction_y[lane], direction_z[lane]}; }
     void set(int lane, const Illumination& i) {
         direction_x[lane] = i.direction.x, direction_y[lane] = i.direction.y, direction_z[lane] = i.direction.z;
         distance[lane] = i.distance;

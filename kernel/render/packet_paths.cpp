@@ -201,23 +201,29 @@ void PacketPaths::describe(const Leaf& leaf, const MaterialInstance& material, c
     }
 }
 
-// Where the lines are in the leaf's own space. The end of a span before the anchor was added keeps the digits that t has lost
-// at a distance.
-PointBatch PacketPaths::local_points(const PlacedLines& __restrict placed, const SpanBatch& __restrict spans,
-                                     const Lanes& __restrict t) {
-    const LineBatch& lines = placed.lines;
-    PointBatch local;
-    for (int i = 0; i < width; ++i) {
-        const double anchor = placed.anchor[i];
-        double local_t = t[i] - anchor;
-        local_t = anchor + spans.in[i] == t[i] ? spans.in[i] : local_t;
-        local_t = anchor + spans.out[i] == t[i] ? spans.out[i] : local_t;
-        local.x[i] = fused_multiply_add(local_t, lines.direction_x[i], lines.closest_x[i]);
-        local.y[i] = fused_multiply_add(local_t, lines.direction_y[i], lines.closest_y[i]);
-        local.z[i] = fused_multiply_add(local_t, lines.direction_z[i], lines.closest_z[i]);
+namespace {
+
+// LocalLine::at() for all lanes.
+[[gnu::noinline]] void find_points(const LineBatch& __restrict lines, const Lanes& __restrict t, PointBatch& __restrict points) {
+    for (int i = 0; i < RayPacket::width; ++i) {
+        points.x[i] = fused_multiply_add(t[i], lines.direction_x[i], lines.closest_x[i]);
+        points.y[i] = fused_multiply_add(t[i], lines.direction_y[i], lines.closest_y[i]);
+        points.z[i] = fused_multiply_add(t[i], lines.direction_z[i], lines.closest_z[i]);
     }
-    return local;
 }
+
+// Where lines meet a leaf, in its own space. The end of a span before the anchor was added keeps the digits that t has lost at a
+// distance.
+[[gnu::noinline]] void find_local_ends(const Lanes& __restrict anchors, const SpanBatch& __restrict spans,
+                                       const Lanes& __restrict t, Lanes& __restrict local) {
+    for (int i = 0; i < RayPacket::width; ++i) {
+        const double anchor = anchors[i], in = spans.in[i], out = spans.out[i], at = t[i];
+        const double if_in = anchor + in == at ? in : at - anchor;
+        local[i] = anchor + out == at ? out : if_in;
+    }
+}
+
+}  // namespace
 
 // LineThroughSolid::face_at for all lanes. `face`: which of the surfaces, of a leaf that shares them.
 void PacketPaths::place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
@@ -234,7 +240,10 @@ void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const
                                   FacePacket& faces) {
     SpanBatch spans;
     leaf.object->spans_batch(placed.lines, width, &spans);
-    PointBatch local = local_points(placed, spans, t);
+    Lanes local_t;
+    find_local_ends(placed.anchor, spans, t, local_t);
+    PointBatch local;
+    find_points(placed.lines, local_t, local);
 
     NearPoints near;
     if (leaf.face_count > 0) near.find(rays, t, placed.anchor);
@@ -259,7 +268,10 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
     place_lines(frame.placement, rays, placed);
     NearPoints near;
     if (!surface_class.whole) near.find(rays, t, placed.anchor);
-    PointBatch local = points_at(placed, t);
+    Lanes local_t;
+    for (int i = 0; i < width; ++i) local_t[i] = t[i] - placed.anchor[i];
+    PointBatch local;
+    find_points(placed.lines, local_t, local);
     place_points(frame.placement, local, faces);
     near.replace(faces);
 
@@ -281,19 +293,6 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
     for (int i = 0; use.flipped && i < width; ++i) faces.outward.set(i, -faces.outward[i]);
     faces.departure.surface_class.fill(use.surface_class);
     round_points(faces);
-}
-
-// LocalLine::at() for all lanes.
-PointBatch PacketPaths::points_at(const PlacedLines& __restrict placed, const Lanes& __restrict t) {
-    const LineBatch& lines = placed.lines;
-    PointBatch points;
-    for (int i = 0; i < width; ++i) {
-        const double local_t = t[i] - placed.anchor[i];
-        points.x[i] = fused_multiply_add(local_t, lines.direction_x[i], lines.closest_x[i]);
-        points.y[i] = fused_multiply_add(local_t, lines.direction_y[i], lines.closest_y[i]);
-        points.z[i] = fused_multiply_add(local_t, lines.direction_z[i], lines.closest_z[i]);
-    }
-    return points;
 }
 
 // Beside the rays' origins points are taken from there.
@@ -594,7 +593,7 @@ unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __r
                      Lanes& __restrict along_mirrored, Lanes& __restrict facing) {
     std::int64_t lit = 0;
     for (int i = 0; i < RayPacket::width; ++i) {
-        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
+        const Vector direction = light.direction(i);
         const double to_normal = dot(faces.shading[i], direction);
         const double towards = dot(faces.mirrored[i], direction);
         cosine[i] = to_normal;
@@ -675,22 +674,10 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
 // Shadow rays to a light for all lanes.
 void PacketPaths::aim_shadow_rays(const FacePacket& __restrict faces, const AimedLights& __restrict aimed,
                                   AimedShadows& __restrict shadows) {
-    RayPacket& rays = shadows.rays;
     const IlluminationBatch& light = aimed.illumination;
-    rays.count = width, rays.departs = true;
-    rays.anchor = faces.anchor, rays.offset = faces.offset;
-    rays.departure = faces.departure, rays.key = faces.key;
-    Lanes ahead;
-    for (int i = 0; i < width; ++i) {
-        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
-        rays.direction.set(i, direction);
-        rays.departure.inward[static_cast<std::size_t>(i)] = dot(direction, faces.outward[i]) < 0;
-        ahead[i] = dot(direction, faces.geometric[i]);
-    }
-    for (unsigned rest = faces.transparent; rest != 0; rest &= rest - 1) {
-        const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-        if (!(ahead.v[i] > 0)) rays.departure.cell[i] = faces.cell_behind[i];
-    }
+    VectorLanes directions;
+    for (int i = 0; i < width; ++i) directions.set(i, light.direction(i));
+    faces.depart(directions, shadows.rays);
     for (int i = 0; i < width; ++i) {
         const bool is_sent = (aimed.arrives & bit_of(i)) != 0;
         const double distance = end_before_light(faces.points.point(i), light.distance[i]);
@@ -728,9 +715,7 @@ bool PacketPaths::are_clear(const FacePacket& faces, const AimedLights& aimed) c
     if (!before_light_ || !before_light_->are_known || !faces.depart_alike) return false;
     std::int64_t inward = 0;
     for (int i = 0; i < width; ++i) {
-        const IlluminationBatch& light = aimed.illumination;
-        const Vector direction{light.direction_x[i], light.direction_y[i], light.direction_z[i]};
-        inward |= dot(direction, faces.outward[i]) < 0 ? bit_of(i) : 0;
+        inward |= dot(aimed.illumination.direction(i), faces.outward[i]) < 0 ? bit_of(i) : 0;
     }
     const unsigned inward_sent = static_cast<unsigned>(inward) & aimed.arrives;
     if (inward_sent != 0 && inward_sent != aimed.arrives) return false;

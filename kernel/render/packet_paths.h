@@ -189,8 +189,6 @@ private:
     static void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
                                 FacePacket& faces);
     void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
-    static PointBatch local_points(const PlacedLines& placed, const SpanBatch& spans, const Lanes& t);
-    static PointBatch points_at(const PlacedLines& placed, const Lanes& t);
     static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
     static void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
     static void round_points(FacePacket& faces);
