@@ -22,7 +22,7 @@ POVRAY_QUALITIES = [ONE_SAMPLE] + [setting.split() for setting in (
     "+AM2 +A0.0 +R1", "+AM2 +A0.3 +R2", "+AM1 +A0.3 +R3", "+AM2 +A0.3 +R3", "+AM2 +A0.1 +R3 Antialias_Gamma=1.0", "+AM2 +A0.1 +R4",
     "+AM1 +A0.03 +R5", "+AM2 +A0.03 +R4", "+AM1 +A0.03 +R7", "+AM1 +A0.0 +R7", "+AM1 +A0.0 +R9 -J")]
 # The settings that a summary tells of, from coarse to fine.
-TOLD = [ONE_SAMPLE, "+AM2 +A0.3 +R3", "+AM2 +A0.1 +R4", "+AM1 +A0.0 +R9 -J"]
+TOLD = [ONE_SAMPLE, "+AM2 +A0.3 +R2", "+AM2 +A0.1 +R4", "+AM1 +A0.0 +R9 -J"]
 # Nine by nine samples a pixel, at four shifts that interleave them to eighteen by eighteen.
 POVRAY_REFERENCE = ["+AM1", "+A0.0", "+R9", "-J"]
 SHIFTS = [(x / 36, y / 36) for x in (-1, 1) for y in (-1, 1)]
