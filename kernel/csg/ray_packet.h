@@ -166,8 +166,9 @@ struct BoundaryPacket {
 struct ChangePacket {
     BoundaryPacket first;
     std::array<std::int32_t, batch_size> before, after;  // in World::solids; -1: empty space
+    unsigned unclear;                                    // the rays whose answers are not to be used, but those of the single ray
+
     bool are_alike() const { return first.are_of_one_face() && is_same_in_lanes(before) && is_same_in_lanes(after); }
-    unsigned unclear;  // the rays whose answers are not to be used, but those of the single ray
 };
 
 }  // namespace lapidary

@@ -130,7 +130,6 @@ private:
         void set_matter(int lane, const Matter& matter);
         void copy_matter(int lane, int from);
         void fill_up();
-        bool is_transparent(int lane) const { return (transparent >> lane & 1) != 0; }
         // Rays that start at the faces, each at the side that its direction points to.
         void depart(const VectorLanes& directions, RayPacket& rays) const;
     };

@@ -114,7 +114,7 @@ private:
     void write_middles(const PixelRegion& block, Worker& worker);
     bool shows_colours_only(const PixelRegion& block) const;
     void write_colours(const PixelRegion& block, Worker& worker);
-    void write_one_colour(const PixelRegion& block, const Colour& colour, Worker& worker);
+    void paint(const PixelRegion& part, const Colour& colour);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
     static std::optional<RaySample> spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
@@ -413,7 +413,8 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
     if (const std::optional<RaySample> known = spare(beam, pixel_count(block), worker)) {
         if (shows_colours_only(block) && is_finite(known->colour)) {
-            write_one_colour(block, known->colour, worker);
+            paint(block, known->colour);
+            worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
         } else {
             std::fill_n(batch.samples.begin(), pixel_count(block), *known);
             write_middles(block, worker);
@@ -472,11 +473,11 @@ void Passes::write_colours(const PixelRegion& block, Worker& worker) {
     worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
 }
 
-void Passes::write_one_colour(const PixelRegion& block, const Colour& colour, Worker& worker) {
-    for (int y = block.y0; y < block.y1; ++y)
-        for (std::span row = frame_.row(Layer::colour, block.x0, block.x1, y); !row.empty(); row = row.subspan(3))
+// All of a part in one colour.
+void Passes::paint(const PixelRegion& part, const Colour& colour) {
+    for (int y = part.y0; y < part.y1; ++y)
+        for (std::span row = frame_.row(Layer::colour, part.x0, part.x1, y); !row.empty(); row = row.subspan(3))
             store(row, colour.r, colour.g, colour.b);
-    worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
 }
 
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
@@ -569,11 +570,7 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
             RaySample sample;
             worker.integrand->trace({&packet, 1}, {&sample, 1}, false);
             if (is_cancelled()) return;
-            if (!is_finite(sample.colour)) continue;
-            for (int py = painted.y0; py < painted.y1; ++py) {
-                std::span<float> row = frame_.row(Layer::colour, painted.x0, painted.x1, py);
-                for (; !row.empty(); row = row.subspan(3)) store(row, sample.colour.r, sample.colour.g, sample.colour.b);
-            }
+            if (is_finite(sample.colour)) paint(painted, sample.colour);
         }
     announce(tile);
 }

@@ -33,66 +33,63 @@ void check_illumination(const Light& light, const Point& place, const LightSampl
         CHECK(std::fabs(length(lit.direction) - 1) <= 4 * u);
 }
 
-}  // namespace
-
-TEST_CASE("every light is finite everywhere") {
-    Random random(91);
+// Lights of every kind, so many of each.
+template <typename Check>
+void for_random_lights(int count, Random& random, Check check) {
     for (const std::string& keyword : registry().keywords(PluginKind::light)) {
         const Plugin& p = plugin(PluginKind::light, keyword);
-        for (int i = 0; i < 40; ++i) {
+        for (int i = 0; i < count; ++i) {
             const auto light = random_light(p, random);
             CAPTURE(keyword, describe(dynamic_cast<const void*>(light.get()), p.schema()));
-            for (const Point& place : places(random)) {
-                check_illumination(*light, place, {});
-                check_illumination(*light, place, {random.uniform(0, 1), random.uniform(0, 1)});
-                check_illumination(*light, place, {0, 0});
-            }
+            check(*light);
         }
     }
 }
 
+}  // namespace
+
+TEST_CASE("every light is finite everywhere") {
+    Random random(91);
+    for_random_lights(40, random, [&](const Light& light) {
+        for (const Point& place : places(random)) {
+            check_illumination(light, place, {});
+            check_illumination(light, place, {random.uniform(0, 1), random.uniform(0, 1)});
+            check_illumination(light, place, {0, 0});
+        }
+    });
+}
+
 TEST_CASE("every light without extent is the same for every sample, and asked twice") {
     Random random(92);
-    for (const std::string& keyword : registry().keywords(PluginKind::light)) {
-        const Plugin& p = plugin(PluginKind::light, keyword);
-        for (int i = 0; i < 40; ++i) {
-            const auto light = random_light(p, random);
-            CAPTURE(keyword, describe(dynamic_cast<const void*>(light.get()), p.schema()));
-            const Point place = to_point(10 * random.direction());
-            const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
-            const Illumination first = light->toward(place, sample), second = light->toward(place, sample);
-            CHECK(
-                (first.direction == second.direction && first.distance == second.distance && first.radiance == second.radiance));
-            if (light->has_extent()) continue;
-            const Illumination other = light->toward(place, {});
-            CHECK((first.direction == other.direction && first.distance == other.distance && first.radiance == other.radiance));
-        }
-    }
+    for_random_lights(40, random, [&](const Light& light) {
+        const Point place = to_point(10 * random.direction());
+        const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
+        const Illumination first = light.toward(place, sample), second = light.toward(place, sample);
+        CHECK((first.direction == second.direction && first.distance == second.distance && first.radiance == second.radiance));
+        if (light.has_extent()) return;
+        const Illumination other = light.toward(place, {});
+        CHECK((first.direction == other.direction && first.distance == other.distance && first.radiance == other.radiance));
+    });
 }
 
 // Boxes of any size, many of them where light fades out.
 TEST_CASE("no light comes into a box that it says it does not reach") {
     Random random(93);
-    for (const std::string& keyword : registry().keywords(PluginKind::light)) {
-        const Plugin& p = plugin(PluginKind::light, keyword);
-        for (int i = 0; i < 400; ++i) {
-            const auto light = random_light(p, random);
-            CAPTURE(keyword, describe(dynamic_cast<const void*>(light.get()), p.schema()));
-            for (int j = 0; j < 20; ++j) {
-                const Point middle = to_point(random.magnitude(-2, 2) * random.direction());
-                const double size = random.magnitude(-3, 2);
-                const Vector half{size * random.uniform(0, 1), size * random.uniform(0, 1), size * random.uniform(0, 1)};
-                if (light->may_reach({middle - half, middle + half})) continue;
-                for (int k = 0; k < 20; ++k) {
-                    const auto corner_or_inside = [&] { return k < 10 ? random.below(2) * 2.0 - 1 : random.uniform(-1, 1); };
-                    const Vector within{half.x * corner_or_inside(), half.y * corner_or_inside(), half.z * corner_or_inside()};
-                    CAPTURE(middle.x, middle.y, middle.z, size, within.x, within.y, within.z);
-                    const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
-                    CHECK(is_black(light->toward(middle + within, sample).radiance));
-                }
+    for_random_lights(400, random, [&](const Light& light) {
+        for (int j = 0; j < 20; ++j) {
+            const Point middle = to_point(random.magnitude(-2, 2) * random.direction());
+            const double size = random.magnitude(-3, 2);
+            const Vector half{size * random.uniform(0, 1), size * random.uniform(0, 1), size * random.uniform(0, 1)};
+            if (light.may_reach({middle - half, middle + half})) continue;
+            for (int k = 0; k < 20; ++k) {
+                const auto corner_or_inside = [&] { return k < 10 ? random.below(2) * 2.0 - 1 : random.uniform(-1, 1); };
+                const Vector within{half.x * corner_or_inside(), half.y * corner_or_inside(), half.z * corner_or_inside()};
+                CAPTURE(middle.x, middle.y, middle.z, size, within.x, within.y, within.z);
+                const LightSample sample{random.uniform(0, 1), random.uniform(0, 1)};
+                CHECK(is_black(light.toward(middle + within, sample).radiance));
             }
         }
-    }
+    });
 }
 
 TEST_CASE("a spot reaches what its cone meets, and not what lies far beside it") {
