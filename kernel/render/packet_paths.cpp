@@ -36,14 +36,14 @@ void PacketPaths::Wave::fill_up() {
 PacketPaths::PacketPaths(Tracer::Implementation& tracer)
     : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics), to_light_(tracer.world) {}
 
-void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
+void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) {
     if (waves_.empty()) waves_.push_back(std::make_unique<Wave>(world_.features.transparency));
     Wave& wave = *waves_[0];
-    for (std::size_t begin = 0; begin < samples.size() && !tracer_.is_stopped(); begin += wave_size) {
-        const auto part = samples.subspan(begin, std::min<std::size_t>(wave_size, samples.size() - begin));
-        wave.count = static_cast<int>(part.size());
-        wave.rays = rays.subspan(begin / width, (part.size() + width - 1) / width);
-        const auto first = all_layers ? part : std::span<RaySample>{};
+    for (std::size_t begin = 0; begin < colours.size() && !tracer_.is_stopped(); begin += wave_size) {
+        const std::size_t size = std::min<std::size_t>(wave_size, colours.size() - begin);
+        wave.count = static_cast<int>(size);
+        wave.rays = rays.subspan(begin / width, (size + width - 1) / width);
+        const auto first = faces.empty() ? faces : faces.subspan(begin, size);
         if (world_.features.transparency) {
             std::fill_n(wave.paths.begin(), wave.count, Path{});  // as rays that went on have taken some
             wave.begin_camera_rays();
@@ -51,11 +51,11 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<RaySample> sa
         } else {
             trace_wave(0, first);
         }
-        for (std::size_t i = 0; i < part.size(); ++i) part[i].colour = wave.colours[i];
+        std::copy_n(wave.colours.begin(), size, colours.begin() + static_cast<std::ptrdiff_t>(begin));
     }
 }
 
-void PacketPaths::trace_wave(std::size_t depth, std::span<RaySample> first) {
+void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     Wave& wave = *waves_[depth];
     if (depth > 0) wave.fill_up();
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
@@ -97,7 +97,7 @@ bool PacketPaths::is_plain(const Wave& wave, int ray) const {
 
 // Of one packet; returns the rays that are to be gathered with those of others: bit i for ray i. Where all rays meet the same
 // face, as is usual where they are close together, nothing has to be gathered.
-std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<RaySample> first) {
+std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first) {
     const BoundaryPacket& boundaries = wave.boundaries[packet];
     const int begin = packet * width, count = std::min(width, wave.count - begin);
     constexpr std::uint64_t all = (1u << width) - 1;
@@ -121,7 +121,7 @@ std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<Ra
     return 0;
 }
 
-void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first) {
+void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<FirstFace> first) {
     while (waiting != 0) {
         const int ray = std::countr_zero(waiting);
         if (is_plain(wave, ray)) {
@@ -135,7 +135,7 @@ void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<Ray
 }
 
 // The first waiting ray's face, together with those of other rays that meet the same one.
-void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first) {
+void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<FirstFace> first) {
     const int leader = std::countr_zero(waiting);
     const std::int32_t index = wave.leaf(leader), face = wave.face(leader);
     const Leaf& leaf = world_.leaves[index];
@@ -171,7 +171,7 @@ void PacketPaths::note_rays(const Wave& wave, std::int32_t leaf, const RayPacket
 }
 
 // The matter that faces of a leaf show, where they are.
-void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket& faces, std::span<RaySample> first) {
+void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket& faces, std::span<FirstFace> first) {
     const Solid& solid = world_.solids[of_solid];
     const std::int32_t shown = leaf.appearance >= 0 ? leaf.appearance : world_.leaves[solid.first_leaf].medium;
     const MaterialInstance& material = world_.materials[shown];
@@ -189,10 +189,10 @@ void PacketPaths::note_paths(const Wave& wave, const Lanes& t, FacePacket& faces
 
 // For the layers beside the colour.
 void PacketPaths::describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces,
-                           std::span<RaySample> first) {
+                           std::span<FirstFace> first) {
     if (first.empty()) return;
     for (int lane = 0; lane < faces.count; ++lane) {
-        RaySample& sample = first[static_cast<std::size_t>(faces.ray[lane])];
+        FirstFace& sample = first[static_cast<std::size_t>(faces.ray[lane])];
         sample.depth = faces.travelled[lane];
         sample.normal = Normal(faces.shading[lane]);
         sample.position = faces.points.point(lane);
@@ -446,14 +446,14 @@ void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& face
 }
 
 // What is not plain is asked of the single ray.
-void PacketPaths::meet_single_face(Wave& wave, int ray, std::span<RaySample> first) {
+void PacketPaths::meet_single_face(Wave& wave, int ray, std::span<FirstFace> first) {
     const Ray single = wave.ray(ray);
     Boundary boundary;
     boundary.t = wave.t(ray), boundary.solid = wave.solid(ray), boundary.leaf = wave.leaf(ray);
     boundary.starts_inside = wave.starts_inside(ray);
     tracer_.ray_through_world.start(single);
     if (!boundary.is_sheet()) tracer_.ray_through_world.complete_opaque(boundary);
-    RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)];
+    FirstFace* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)];
     const Path& path = wave.paths[ray];
     const std::optional<Encounter> encounter = tracer_.encounter_face(single, boundary, path.travelled, sample);
     if (!encounter) {

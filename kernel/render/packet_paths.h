@@ -37,7 +37,7 @@ public:
 
     explicit PacketPaths(Tracer::Implementation& tracer);
 
-    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
+    void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces);
 
 private:
     static constexpr int wave_size = 64;
@@ -172,16 +172,16 @@ private:
 
     const SolidsInReach* in_reach_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam.solids() : nullptr; }
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
-    void trace_wave(std::size_t depth, std::span<RaySample> first);
-    std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<RaySample> first);
-    void collect_faces(Wave& wave, std::uint64_t waiting, std::span<RaySample> first);
+    void trace_wave(std::size_t depth, std::span<FirstFace> first);
+    std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first);
+    void collect_faces(Wave& wave, std::uint64_t waiting, std::span<FirstFace> first);
     bool is_plain(const Wave& wave, int ray) const;
-    void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<RaySample> first);
+    void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<FirstFace> first);
     void note_paths(const Wave& wave, const Lanes& t, FacePacket& faces);
     void note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
-    void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<RaySample> first);
-    void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<RaySample> first);
-    void meet_single_face(Wave& wave, int ray, std::span<RaySample> first);
+    void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<FirstFace> first);
+    void describe(const Leaf& leaf, const MaterialInstance& material, const FacePacket& faces, std::span<FirstFace> first);
+    void meet_single_face(Wave& wave, int ray, std::span<FirstFace> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
     void place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
@@ -212,28 +212,28 @@ private:
     FacePacket& new_faces();
 
     // Through transparent matter.
-    void trace_wave_through_matter(std::size_t depth, std::span<RaySample> first);
-    void trace_portion(std::size_t depth, std::span<RaySample> first);
+    void trace_wave_through_matter(std::size_t depth, std::span<FirstFace> first);
+    void trace_portion(std::size_t depth, std::span<FirstFace> first);
     void find_meeting(const ChangePacket& changes, int lane, Meetings& meetings) const;
     void find_meetings(const ChangePacket& changes, Meetings& meetings) const;
     void check_first_cells(const RayPacket& rays, const Lanes& from, const Meetings& meetings, unsigned lanes);
-    void go_to_changes(std::size_t depth, int packet, std::span<RaySample> first);
-    void meet_unusual(Wave& wave, Wave& next, int ray, std::span<RaySample> first);
-    bool pass_matter(Wave& wave, int ray, std::span<RaySample> first);
-    bool march(Wave& wave, int ray, const MaterialInstance& medium, std::span<RaySample> first);
-    void trace_alone(Wave& wave, int ray, std::span<RaySample> first);
-    void meet_one_face(Wave& wave, int packet, std::span<RaySample> first);
-    void gather_faces_at_changes(Wave& wave, std::span<RaySample> first);
-    void gather_face(Wave& wave, int packet, std::span<RaySample> first);
+    void go_to_changes(std::size_t depth, int packet, std::span<FirstFace> first);
+    void meet_unusual(Wave& wave, Wave& next, int ray, std::span<FirstFace> first);
+    bool pass_matter(Wave& wave, int ray, std::span<FirstFace> first);
+    bool march(Wave& wave, int ray, const MaterialInstance& medium, std::span<FirstFace> first);
+    void trace_alone(Wave& wave, int ray, std::span<FirstFace> first);
+    void meet_one_face(Wave& wave, int packet, std::span<FirstFace> first);
+    void gather_faces_at_changes(Wave& wave, std::span<FirstFace> first);
+    void gather_face(Wave& wave, int packet, std::span<FirstFace> first);
     void show_faces_at_changes(const Wave& wave, const RayPacket& rays, const Lanes& t, FacePacket& faces,
-                               std::span<RaySample> first);
+                               std::span<FirstFace> first);
     void note_rays_at_changes(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
-    void meet_single_face_at_change(Wave& wave, int ray, std::span<RaySample> first);
+    void meet_single_face_at_change(Wave& wave, int ray, std::span<FirstFace> first);
     double index_beside(const FacePacket& faces, int lane, std::int32_t solid, Side side) const;
     void find_indices(std::int32_t shown, const Wave& wave, FacePacket& faces) const;
     void divide_light(Wave& wave, Wave& next, FacePacket& faces);
     void refract_rays(Wave& wave, Wave& next, const FacePacket& faces, const Lanes& weights, unsigned lanes);
-    void go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first);
+    void go_on(Wave& wave, Wave& next, int ray, double from, std::span<FirstFace> first);
     void send(Wave& wave, Wave& next, const FacePacket& faces, const VectorLanes& directions, const Lanes& weights,
               unsigned lanes, Tracer::Implementation::Turn turn);
     void cast_dimmed_shadows();

@@ -17,7 +17,7 @@
 
 namespace lapidary {
 
-void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySample> first) {
+void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<FirstFace> first) {
     while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(true));
     Wave& wave = *waves_[depth];
     if (depth > 0) wave.fill_up();
@@ -31,7 +31,7 @@ void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<RaySamp
     }
 }
 
-void PacketPaths::trace_portion(std::size_t depth, std::span<RaySample> first) {
+void PacketPaths::trace_portion(std::size_t depth, std::span<FirstFace> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
     face_packets_ = 0;
     single_faces_ = nullptr;
@@ -112,7 +112,7 @@ void PacketPaths::check_first_cells(const RayPacket& rays, const Lanes& from, co
 
 // The rays of a packet go through the matter that they start in, to what they meet at the end of it. Those that are finished have
 // their colours, to be multiplied by what has passed; plain faces are left to be gathered, if not all rays meet the same.
-void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<RaySample> first) {
+void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<FirstFace> first) {
     Wave& wave = *waves_[depth];
     const int begin = wave.begin + packet * width, count = std::min(width, wave.end - begin);
     const RayPacket& rays = wave.rays[begin / width];
@@ -140,7 +140,7 @@ void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<RaySamp
 }
 
 // What is not a plain face.
-void PacketPaths::meet_unusual(Wave& wave, Wave& next, int ray, std::span<RaySample> first) {
+void PacketPaths::meet_unusual(Wave& wave, Wave& next, int ray, std::span<FirstFace> first) {
     const ChangePacket& changes = wave.change(ray);
     const int lane = ray % width;
     const bool is_sheet = changes.first.solid[lane] < 0;
@@ -153,7 +153,7 @@ void PacketPaths::meet_unusual(Wave& wave, Wave& next, int ray, std::span<RaySam
 }
 
 // Through matter that dims light, and whether the ray comes to the end of it.
-bool PacketPaths::pass_matter(Wave& wave, int ray, std::span<RaySample> first) {
+bool PacketPaths::pass_matter(Wave& wave, int ray, std::span<FirstFace> first) {
     const ChangePacket& changes = wave.change(ray);
     const MaterialInstance& medium = world_.materials[world_.insides[changes.before[ray % width]].medium];
     if (!medium.is_uniform()) return !march(wave, ray, medium, first);
@@ -163,7 +163,7 @@ bool PacketPaths::pass_matter(Wave& wave, int ray, std::span<RaySample> first) {
 }
 
 // All rays of a packet meet the same face.
-void PacketPaths::meet_one_face(Wave& wave, int packet, std::span<RaySample> first) {
+void PacketPaths::meet_one_face(Wave& wave, int packet, std::span<FirstFace> first) {
     const int begin = wave.begin + packet * width;
     const ChangePacket& changes = wave.changes[packet];
     FacePacket& faces = new_faces();
@@ -174,7 +174,7 @@ void PacketPaths::meet_one_face(Wave& wave, int packet, std::span<RaySample> fir
 }
 
 // The rays of the packets under way that meet the same face come together.
-void PacketPaths::gather_faces_at_changes(Wave& wave, std::span<RaySample> first) {
+void PacketPaths::gather_faces_at_changes(Wave& wave, std::span<FirstFace> first) {
     for (int packet = 0; packet < wave.packets_under_way(); ++packet)
         while (wave.meetings[packet].plain != 0) gather_face(wave, packet, first);
 }
@@ -196,7 +196,7 @@ namespace {
 }  // namespace
 
 // The first waiting ray's face, with those of others that meet the same one.
-void PacketPaths::gather_face(Wave& wave, int packet, std::span<RaySample> first) {
+void PacketPaths::gather_face(Wave& wave, int packet, std::span<FirstFace> first) {
     const auto leader = static_cast<std::size_t>(std::countr_zero(wave.meetings[packet].plain));
     const BoundaryPacket& leading = wave.changes[packet].first;
     const std::int32_t leaf = leading.leaf[leader], face = leading.face[leader], shown = wave.meetings[packet].shown[leader];
@@ -226,7 +226,7 @@ void PacketPaths::gather_face(Wave& wave, int packet, std::span<RaySample> first
 }
 
 // To the next boundary within textured matter, and whether there is one, or nothing is left of light on the way.
-bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, std::span<RaySample> first) {
+bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, std::span<FirstFace> first) {
     const Ray ray = wave.ray(number);
     const MaterialLine line = material_line(medium, ray.origin, ray.direction);
     const ChangePacket& changes = wave.change(number);
@@ -249,7 +249,7 @@ bool PacketPaths::march(Wave& wave, int number, const MaterialInstance& medium, 
 }
 
 // By the single path, all of it.
-void PacketPaths::trace_alone(Wave& wave, int ray, std::span<RaySample> first) {
+void PacketPaths::trace_alone(Wave& wave, int ray, std::span<FirstFace> first) {
     wave.gathered[ray] = Colour::black(), wave.passed[ray] = Colour::white();
     wave.colours[ray] =
         tracer_.radiance(wave.ray(ray), wave.paths[ray], first.empty() ? nullptr : &first[static_cast<std::size_t>(ray)]);
@@ -257,7 +257,7 @@ void PacketPaths::trace_alone(Wave& wave, int ray, std::span<RaySample> first) {
 
 // Straight on from a place that shows no face, or one that lets all light pass, as a ray of the next wave. The layers of a camera
 // ray that has not met anything yet are left to the single path.
-void PacketPaths::go_on(Wave& wave, Wave& next, int ray, double from, std::span<RaySample> first) {
+void PacketPaths::go_on(Wave& wave, Wave& next, int ray, double from, std::span<FirstFace> first) {
     if (!first.empty() && first[static_cast<std::size_t>(ray)].object == 0) {
         trace_alone(wave, ray, first);
         return;
@@ -288,7 +288,7 @@ void PacketPaths::Wave::send(const RayPacket& from, int lane) {
 
 // Rays that meet the same face of a leaf; which ones and the cells on both sides is known already.
 void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays, const Lanes& t, FacePacket& faces,
-                                        std::span<RaySample> first) {
+                                        std::span<FirstFace> first) {
     const int leader = faces.ray[0], lane = leader % width;
     const BoundaryPacket& leading = wave.change(leader).first;
     const std::int32_t shown = wave.meeting(leader).shown[lane];
@@ -319,10 +319,10 @@ void PacketPaths::add_single_face_at_change(Wave& wave, int ray, double t, const
     single_faces_->t[lane] = t;
 }
 
-void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<RaySample> first) {
+void PacketPaths::meet_single_face_at_change(Wave& wave, int number, std::span<FirstFace> first) {
     const Ray ray = wave.ray(number);
     tracer_.ray_through_world.start(ray);
-    RaySample* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(number)];
+    FirstFace* sample = first.empty() ? nullptr : &first[static_cast<std::size_t>(number)];
     const std::optional<Encounter> encounter =
         tracer_.encounter_face(ray, boundary_of(wave.change(number), number % width), wave.paths[number].travelled, sample);
     if (encounter)

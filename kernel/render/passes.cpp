@@ -58,6 +58,29 @@ void store(std::span<float> channels, double x, double y, double z) {
     channels[0] = to_float(x), channels[1] = to_float(y), channels[2] = to_float(z);
 }
 
+constexpr std::size_t colour_channels = channels_of(Layer::colour), channels_of_block = colour_channels * pixels_of_block;
+static_assert(sizeof(Colour) == colour_channels * sizeof(double));
+using ChannelsOfBlock = std::array<float, channels_of_block>;
+
+// The channels of a block's colours as floats; whether all were finite.
+[[gnu::noinline]] bool round_channels(const double* __restrict channels, ChannelsOfBlock& __restrict rounded) {
+    std::int64_t finite = 0;
+    for (std::size_t i = 0; i < channels_of_block; ++i) {
+        finite += std::fabs(channels[i]) < infinity ? 1 : 0;
+        rounded[i] = to_float(channels[i]);
+    }
+    return finite == channels_of_block;
+}
+
+// In the order of places_in_block, where pixels stand beside each other by twos. `row` is from one row of the picture to the next.
+void store_channels(const ChannelsOfBlock& channels, float* corner, std::ptrdiff_t row) {
+    constexpr std::size_t of_two = 2 * colour_channels;
+    for (std::size_t i = 0; i < pixels_of_block; i += 2) {
+        const PixelPlace& place = places_in_block[i];
+        std::copy_n(&channels[colour_channels * i], of_two, corner + place.y * row + std::ptrdiff_t{colour_channels} * place.x);
+    }
+}
+
 // What a thread has for itself.
 struct Worker {
     explicit Worker(std::unique_ptr<Integrand> i) : integrand(std::move(i)) {}
@@ -114,10 +137,12 @@ private:
     void write_middles(const PixelRegion& block, Worker& worker);
     bool shows_colours_only(const PixelRegion& block) const;
     void write_colours(const PixelRegion& block, Worker& worker);
+    void ask_for_colours(const PixelRegion& block);
+    std::ptrdiff_t row_of_colours() const;
     void paint(const PixelRegion& part, const Colour& colour);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
-    static std::optional<RaySample> spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
+    static std::optional<Colour> spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -134,7 +159,7 @@ private:
     void estimate_what_was_stopped();
 
     void write_pixel(PixelPlace place, const Pixel& pixel, const Colour& colour);
-    void write_layers(PixelPlace place, const RaySample& sample);
+    void write_layers(PixelPlace place, const FirstFace& face);
     void announce(const PixelRegion& tile);
     void report_progress();
     RenderReport report();
@@ -411,12 +436,13 @@ void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     SampleBatch& batch = *worker.batch;
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
-    if (const std::optional<RaySample> known = spare(beam, pixel_count(block), worker)) {
-        if (shows_colours_only(block) && is_finite(known->colour)) {
-            paint(block, known->colour);
+    ask_for_colours(block);
+    if (const std::optional<Colour> known = spare(beam, pixel_count(block), worker)) {
+        if (shows_colours_only(block) && is_finite(*known)) {
+            paint(block, *known);
             worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
         } else {
-            std::fill_n(batch.samples.begin(), pixel_count(block), *known);
+            batch.fill(pixel_count(block), *known, wants_layers_);
             write_middles(block, worker);
         }
         return;
@@ -433,20 +459,21 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         write_colours(block, worker);
         return;
     }
-    const RaySample* sample = worker.batch->samples.data();
+    const SampleBatch& batch = *worker.batch;
+    std::size_t i = 0;
     for (const PixelPlace& place : places_in_block) {
         const PixelPlace pixel{block.x0 + place.x, block.y0 + place.y};
         if (!is_in(pixel, block)) continue;
-        const bool finite = is_finite(sample->colour);
-        const Colour colour = finite ? sample->colour : Colour::black();
+        const bool finite = is_finite(batch.colours[i]);
+        const Colour colour = finite ? batch.colours[i] : Colour::black();
         worker.non_finite_samples += !finite;
-        if (!pixels_.is_empty()) pixels_[pixel].keep_middle(sample->colour);
+        if (!pixels_.is_empty()) pixels_[pixel].keep_middle(batch.colours[i]);
         if (is_in(pixel, region_)) {
             store(frame_.pixel(Layer::colour, pixel.x, pixel.y), colour.r, colour.g, colour.b);
             if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
-            if (wants_layers_) write_layers(pixel, *sample);
+            if (wants_layers_) write_layers(pixel, batch.faces[i]);
         }
-        ++sample;
+        ++i;
     }
     if (pixels_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
@@ -458,20 +485,29 @@ bool Passes::shows_colours_only(const PixelRegion& block) const {
 }
 
 void Passes::write_colours(const PixelRegion& block, Worker& worker) {
-    float* const corner = frame_.row(Layer::colour, block.x0, block.x1, block.y0).data();
-    const std::ptrdiff_t row = std::ptrdiff_t{channels_of(Layer::colour)} * frame_.width();
-    const RaySample* sample = worker.batch->samples.data();
-    std::uint64_t non_finite = 0;
-    for (const PixelPlace& place : places_in_block) {
-        const bool finite = is_finite(sample->colour);
-        const Colour colour = finite ? sample->colour : Colour::black();
-        non_finite += finite ? 0 : 1;
-        store({corner + place.y * row + channels_of(Layer::colour) * place.x, 3}, colour.r, colour.g, colour.b);
-        ++sample;
+    std::array<Colour, pixels_of_block>& colours = worker.batch->colours;
+    ChannelsOfBlock channels;
+    if (!round_channels(&colours.front().r, channels)) {
+        for (Colour& colour : colours) {
+            if (is_finite(colour)) continue;
+            ++worker.non_finite_samples;
+            colour = Colour::black();
+        }
+        round_channels(&colours.front().r, channels);
     }
-    worker.non_finite_samples += non_finite;
+    store_channels(channels, frame_.row(Layer::colour, block.x0, block.x1, block.y0).data(), row_of_colours());
     worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
 }
+
+// Before they are written: memory that nothing was written to yet is far away.
+void Passes::ask_for_colours(const PixelRegion& block) {
+    constexpr std::ptrdiff_t cache_line = 64 / sizeof(float);
+    float* row = frame_.row(Layer::colour, block.x0, block.x1, block.y0).data();
+    for (int y = block.y0; y < block.y1; ++y, row += row_of_colours())
+        for (std::ptrdiff_t i = 0; i < block.width() * std::ptrdiff_t{colour_channels}; i += cache_line) __builtin_prefetch(row + i, 1);
+}
+
+std::ptrdiff_t Passes::row_of_colours() const { return std::ptrdiff_t{colour_channels} * frame_.width(); }
 
 // All of a part in one colour.
 void Passes::paint(const PixelRegion& part, const Colour& colour) {
@@ -489,8 +525,8 @@ void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
 }
 
 // Begins a part of a tile. Where it is known what its rays bring back, that is the answer: no ray has to be sent.
-std::optional<RaySample> Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
-    const std::optional<RaySample> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
+std::optional<Colour> Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
+    const std::optional<Colour> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
     if (known) worker.spared_samples += size;
     return known;
 }
@@ -498,7 +534,8 @@ std::optional<RaySample> Passes::spare(const std::optional<Beam>& beam, std::siz
 // The first places of a batch. False where that was cancelled: paths may have ended on their way.
 bool Passes::trace(Worker& worker, std::size_t size, bool layers) const {
     SampleBatch& batch = *worker.batch;
-    worker.integrand->trace(batch.rays_of(size, camera_), std::span(batch.samples).first(size), layers);
+    worker.integrand->trace(batch.rays_of(size, camera_), std::span(batch.colours).first(size),
+                            std::span(batch.faces).first(layers ? size : 0));
     return !is_cancelled();
 }
 
@@ -526,22 +563,21 @@ void Passes::flush(Worker& worker) {
     if (size == 0 || is_stopped()) return;
     batch.place(size, camera_, filter_, options_.sequence);
     const bool layers = std::exchange(batch.has_layers, false);
-    if (const std::optional<RaySample> known = spare(batch.beam(size, camera_), size, worker))
-        std::fill_n(batch.samples.begin(), size, *known);
+    if (const std::optional<Colour> known = spare(batch.beam(size, camera_), size, worker))
+        batch.fill(size, *known, layers);
     else if (!trace(worker, size, layers))
         return;
 
     // In the order of the samples, whatever the batches were.
     for (std::size_t i = 0; i < size; ++i) {
-        const RaySample& sample = batch.samples[i];
         if (batch.purpose[i] == Purpose::layers) {
-            write_layers({batch.x[i], batch.y[i]}, sample);
+            write_layers({batch.x[i], batch.y[i]}, batch.faces[i]);
             continue;
         }
         Pixel& pixel = *batch.pixel[i];
         ++pixel.taken;
         PixelEstimate& estimate = batch.purpose[i] == Purpose::colour ? pixel.estimate : pixels_.negative_of(pixel);
-        if (!estimate.add(sample.colour)) ++worker.non_finite_samples;
+        if (!estimate.add(batch.colours[i])) ++worker.non_finite_samples;
     }
 }
 
@@ -567,10 +603,10 @@ void Passes::preview_tile(const PixelRegion& tile, int block, Worker& worker) {
             RayPacket packet;
             packet.add(ray);
             packet.fill_up();
-            RaySample sample;
-            worker.integrand->trace({&packet, 1}, {&sample, 1}, false);
+            Colour colour;
+            worker.integrand->trace({&packet, 1}, {&colour, 1}, {});
             if (is_cancelled()) return;
-            if (is_finite(sample.colour)) paint(painted, sample.colour);
+            if (is_finite(colour)) paint(painted, colour);
         }
     announce(tile);
 }
@@ -652,14 +688,14 @@ void Passes::write_pixel(PixelPlace place, const Pixel& pixel, const Colour& col
     if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, x, y)[0] = static_cast<float>(pixel.rays());
 }
 
-void Passes::write_layers(PixelPlace place, const RaySample& sample) {
+void Passes::write_layers(PixelPlace place, const FirstFace& face) {
     const auto [x, y] = place;
-    if (frame_.has(Layer::depth)) frame_.pixel(Layer::depth, x, y)[0] = static_cast<float>(sample.depth);
-    if (frame_.has(Layer::normal)) store(frame_.pixel(Layer::normal, x, y), sample.normal.x, sample.normal.y, sample.normal.z);
+    if (frame_.has(Layer::depth)) frame_.pixel(Layer::depth, x, y)[0] = static_cast<float>(face.depth);
+    if (frame_.has(Layer::normal)) store(frame_.pixel(Layer::normal, x, y), face.normal.x, face.normal.y, face.normal.z);
     if (frame_.has(Layer::position))
-        store(frame_.pixel(Layer::position, x, y), sample.position.x, sample.position.y, sample.position.z);
-    if (frame_.has(Layer::object)) frame_.pixel(Layer::object, x, y)[0] = static_cast<float>(sample.object);
-    if (frame_.has(Layer::material)) frame_.pixel(Layer::material, x, y)[0] = static_cast<float>(sample.material);
+        store(frame_.pixel(Layer::position, x, y), face.position.x, face.position.y, face.position.z);
+    if (frame_.has(Layer::object)) frame_.pixel(Layer::object, x, y)[0] = static_cast<float>(face.object);
+    if (frame_.has(Layer::material)) frame_.pixel(Layer::material, x, y)[0] = static_cast<float>(face.material);
 }
 
 void Passes::announce(const PixelRegion& tile) {

@@ -37,13 +37,14 @@ namespace lapidary {
 class Integrand {
 public:
     virtual ~Integrand() = default;
-    // Ray i stands in lane i % width of packet i / width; all packets but the last are full. `all_layers`: more than the
-    // colour is wanted.
-    virtual void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) = 0;
+    // Ray i stands in lane i % width of packet i / width; all packets but the last are full. `faces` is empty where only colours
+    // are wanted, else as long as `colours`.
+    virtual void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) = 0;
     // The rays to come lie within a tile's beam; null: anywhere.
     virtual void begin_tile(const Beam*) {}
-    // Of these, the next within a part of it. What all of them bring back, where that is known: they need not be traced.
-    virtual std::optional<RaySample> begin_part(const Beam*) { return std::nullopt; }
+    // Of these, the next within a part of it. The colour that all of them bring back from nowhere, where it is known that they
+    // meet nothing: they need not be traced.
+    virtual std::optional<Colour> begin_part(const Beam*) { return std::nullopt; }
     virtual TraceStatistics statistics() const { return {}; }
 };
 

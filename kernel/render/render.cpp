@@ -18,11 +18,11 @@ public:
         tracer_.trace_one_by_one(options.one_by_one);
     }
 
-    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) override {
-        tracer_.trace(rays, samples, all_layers);
+    void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) override {
+        tracer_.trace(rays, colours, faces);
     }
     void begin_tile(const Beam* beam) override { tracer_.begin_tile(beam); }
-    std::optional<RaySample> begin_part(const Beam* beam) override { return tracer_.begin_part(beam); }
+    std::optional<Colour> begin_part(const Beam* beam) override { return tracer_.begin_part(beam); }
     TraceStatistics statistics() const override { return tracer_.statistics(); }
 
 private:

@@ -4,6 +4,7 @@
 // what it brings back.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,12 +36,19 @@ struct SampleBatch {
 
     std::array<CameraRays::Places, most / batch_size> places;
     std::array<RayPacket, most / batch_size> rays;
-    std::array<RaySample, most> samples;
+    std::array<Colour, most> colours;
+    std::array<FirstFace, most> faces;
 
     void add(PixelPlace place, std::uint32_t number_of_sample, Pixel* its_pixel, Purpose its_purpose) {
         const std::size_t i = size++;
         x[i] = place.x, y[i] = place.y;
         number[i] = number_of_sample, pixel[i] = its_pixel, purpose[i] = its_purpose;
+    }
+
+    // All bring back this colour, and meet nothing.
+    void fill(std::size_t count, const Colour& colour, bool with_faces) {
+        std::fill_n(colours.begin(), count, colour);
+        if (with_faces) std::fill_n(faces.begin(), count, FirstFace{});
     }
 
     // The pixels of a block, in the order of places_in_block; how many they are.

@@ -65,7 +65,7 @@ std::int32_t Tracer::Implementation::shown_at(const Boundary& boundary) const {
 // What the ray meets at a boundary of the World: the matter of the face, and the media on its two sides.
 // Nothing where the boundary shows no face (a tie that rounding undid).
 std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, const Boundary& boundary, double travelled,
-                                                                RaySample* first) {
+                                                                FirstFace* first) {
     if (boundary.leaf < 0) return std::nullopt;
     const Leaf& leaf = world.leaves[boundary.leaf];
     const FaceHit face = ray_through_world.face(boundary);
@@ -301,7 +301,7 @@ Colour Tracer::Implementation::shade(const Ray& ray, const Encounter& e, const P
 }
 
 // Follows a straight ray through what lets it pass, to the first face that does not.
-Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, RaySample* first) {
+Colour Tracer::Implementation::radiance(const Ray& ray, const Path& path, FirstFace* first) {
     const bool transparency = world.features.transparency;
     ray_through_world.start(ray);
     Label label = transparency ? ray_through_world.label(0, Side::after) : Label{};
@@ -364,10 +364,10 @@ Tracer::Tracer(const World& world, const RenderSettings& settings, double pixel_
     : implementation_(std::make_unique<Implementation>(world, settings, pixel_footprint)) {}
 Tracer::~Tracer() = default;
 
-void Tracer::Implementation::trace_rays(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
-    for (std::size_t i = 0; i < samples.size() && !is_stopped(); ++i) {
+void Tracer::Implementation::trace_rays(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) {
+    for (std::size_t i = 0; i < colours.size() && !is_stopped(); ++i) {
         const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
-        samples[i].colour = radiance(ray, Path{}, all_layers ? &samples[i] : nullptr);
+        colours[i] = radiance(ray, Path{}, faces.empty() ? nullptr : &faces[i]);
     }
 }
 
@@ -375,31 +375,32 @@ void Tracer::trace(std::span<const Ray> rays, std::span<RaySample> samples) {
     std::vector<RayPacket> packets((rays.size() + batch_size - 1) / batch_size);
     for (std::size_t i = 0; i < rays.size(); ++i) packets[i / batch_size].add(rays[i]);
     if (!packets.empty()) packets.back().fill_up();
-    trace(packets, samples, true);
+    std::vector<Colour> colours(rays.size());
+    std::vector<FirstFace> faces(rays.size());
+    trace(packets, colours, faces);
+    for (std::size_t i = 0; i < rays.size(); ++i) samples[i] = {faces[i], colours[i]};
 }
 
-void Tracer::trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers) {
+void Tracer::trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) {
     Implementation& tracer = *implementation_;
-    tracer.statistics.camera_rays += samples.size();
-    if (all_layers) std::fill(samples.begin(), samples.end(), RaySample{});
+    tracer.statistics.camera_rays += colours.size();
+    std::fill(faces.begin(), faces.end(), FirstFace{});
     const std::uint64_t faded_before = octaves_faded_by_thread();
     if (!tracer.observer && !tracer.one_by_one)
-        tracer.packets->trace(rays, samples, all_layers);
+        tracer.packets->trace(rays, colours, faces);
     else
-        tracer.trace_rays(rays, samples, all_layers);
+        tracer.trace_rays(rays, colours, faces);
     tracer.statistics.octaves_faded += octaves_faded_by_thread() - faded_before;
 }
 
 void Tracer::begin_tile(const Beam* beam) { implementation_->beam.begin_tile(beam); }
 
-std::optional<RaySample> Tracer::begin_part(const Beam* beam) {
+std::optional<Colour> Tracer::begin_part(const Beam* beam) {
     Implementation& tracer = *implementation_;
     if (tracer.observer || tracer.one_by_one) return std::nullopt;
     tracer.beam.begin_part(beam);
     if (!tracer.beam.is_empty()) return std::nullopt;
-    RaySample nothing;
-    nothing.colour = tracer.world.background;
-    return nothing;
+    return tracer.world.background;
 }
 
 void Tracer::trace_one_by_one(bool one_by_one) { implementation_->one_by_one = one_by_one; }

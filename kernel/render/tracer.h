@@ -27,14 +27,18 @@ class World;
 struct RayPacket;
 struct RenderSettings;
 
-// What a camera ray brings back, for all layers.
-struct RaySample {
-    Colour colour;
+// What a camera ray meets first, for the layers beside the colour.
+struct FirstFace {
     double depth = infinity;  // distance to the first face
     Normal normal;            // unit shading normal toward the viewer; zero where nothing is met
     Point position;
     std::int32_t object = 0;    // from 1; 0: nothing
     std::int32_t material = 0;  // from 1; 0: nothing
+};
+
+// All that a camera ray brings back.
+struct RaySample : FirstFace {
+    Colour colour;
 };
 
 // What tracing cost and what it skipped; one per thread, added up at the end.
@@ -77,13 +81,14 @@ public:
 
     // Traces rays independently of one another; samples.size() == rays.size().
     void trace(std::span<const Ray> rays, std::span<RaySample> samples);
-    // The same for packets of which all but the last are full; with `all_layers` false, samples get colours only.
-    void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
+    // The same for packets of which all but the last are full. `faces` is empty where only colours are wanted, else as long.
+    void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces);
 
     // The camera rays to come lie within a tile's beam; null: anywhere.
     void begin_tile(const Beam* beam);
-    // Of these, the next within a part of it. What all of them bring back, where that is known: they need not be traced.
-    std::optional<RaySample> begin_part(const Beam* beam);
+    // Of these, the next within a part of it. The colour that all of them bring back from nowhere, where it is known that they
+    // meet nothing: they need not be traced.
+    std::optional<Colour> begin_part(const Beam* beam);
 
     // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.
     void trace_one_by_one(bool one_by_one);

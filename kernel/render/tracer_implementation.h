@@ -93,8 +93,8 @@ struct Tracer::Implementation {
 
     bool is_stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 
-    void trace_rays(std::span<const RayPacket> rays, std::span<RaySample> samples, bool all_layers);
-    Colour radiance(const Ray& ray, const Path& path, RaySample* first);
+    void trace_rays(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces);
+    Colour radiance(const Ray& ray, const Path& path, FirstFace* first);
     Colour shade(const Ray& ray, const Encounter& encounter, const Path& path);
     enum class Turn : std::uint8_t { mirrored, refracted };
     Colour continue_path(const Ray& from, const Encounter& encounter, const Vector& direction, double weight, const Path& path,
@@ -102,7 +102,7 @@ struct Tracer::Implementation {
 
     void tell_observer(const Ray& ray, const Encounter& encounter, const Path& path, const Colour& passed) const;
 
-    std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, RaySample* first);
+    std::optional<Encounter> encounter_face(const Ray& ray, const Boundary& boundary, double travelled, FirstFace* first);
     std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
                                                 double travelled);
     static Normal bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,

@@ -48,7 +48,7 @@ std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector
             rays.clear();
             for (int v = y; v < std::min(y + block, rows); ++v)
                 for (int u = x; u < std::min(x + block, columns); ++u) rays.push_back(ray_of(camera, u, v));
-            samples.assign(rays.size(), known.value_or(RaySample{}));
+            samples.assign(rays.size(), RaySample{{}, known.value_or(Colour{})});
             if (!known) tracer.trace(rays, samples);
             spared += known ? rays.size() : 0;
             auto sample = samples.begin();

@@ -196,9 +196,9 @@ TEST_CASE("T94 Samples that are no numbers are dropped, and counted") {
     // Of eight samples a pixel, one is no number and one infinite.
     class Poisoned final : public Integrand {
     public:
-        void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool) override {
-            for (std::size_t i = 0; i < samples.size(); ++i)
-                samples[i].colour = colour_of(rays[i / batch_size].ray(static_cast<int>(i % batch_size)).key.sample);
+        void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace>) override {
+            for (std::size_t i = 0; i < colours.size(); ++i)
+                colours[i] = colour_of(rays[i / batch_size].ray(static_cast<int>(i % batch_size)).key.sample);
         }
 
     private:

@@ -50,15 +50,16 @@ private:
     class Rays final : public Integrand {
     public:
         explicit Rays(const StandInPicture& picture) : picture_(picture) {}
-        void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool) override {
-            if (picture_.traced) *picture_.traced += std::ssize(samples);
-            for (std::size_t i = 0; i < samples.size(); ++i) {
+        void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) override {
+            if (picture_.traced) *picture_.traced += std::ssize(colours);
+            for (std::size_t i = 0; i < colours.size(); ++i) {
                 const Ray ray = rays[i / batch_size].ray(static_cast<int>(i % batch_size));
                 const Point p = ray.origin.rounded();
                 const double x = p.x + picture_.width / 2.0, y = picture_.height / 2.0 - p.y;
-                samples[i].colour = picture_.at(x, y, sample_pair(ray.key, dimension_pair::first_light));
-                samples[i].position = {x, y, 0};
-                samples[i].object = static_cast<int>(x) + 1;
+                colours[i] = picture_.at(x, y, sample_pair(ray.key, dimension_pair::first_light));
+                if (faces.empty()) continue;
+                faces[i].position = {x, y, 0};
+                faces[i].object = static_cast<int>(x) + 1;
             }
         }
 

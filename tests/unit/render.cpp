@@ -58,9 +58,9 @@ IntegrandMaker integrand_of(Function function) {
     class Wrapped final : public Integrand {
     public:
         explicit Wrapped(Function f) : function_(f) {}
-        void trace(std::span<const RayPacket> rays, std::span<RaySample> samples, bool) override {
-            for (std::size_t i = 0; i < samples.size(); ++i)
-                samples[i].colour = function_(rays[i / batch_size].ray(static_cast<int>(i % batch_size)));
+        void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace>) override {
+            for (std::size_t i = 0; i < colours.size(); ++i)
+                colours[i] = function_(rays[i / batch_size].ray(static_cast<int>(i % batch_size)));
         }
 
     private:
