@@ -62,8 +62,10 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     face_packets_ = 0;
     single_faces_ = nullptr;
     std::uint64_t waiting = 0;
+    wave.some_start_inside = false;
     for (std::size_t p = 0; p < packets; ++p) {
         packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p]);
+        wave.some_start_inside |= wave.boundaries[p].starts_inside != 0;
         waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
     }
     collect_faces(wave, waiting, first);
@@ -163,10 +165,8 @@ void PacketPaths::note_rays(const Wave& wave, std::int32_t leaf, const RayPacket
     faces.key = rays.key;
     faces.departure.fill({leaf, -1, false, Departure::no_cell});
     faces.depart_alike = true;
-    for (int lane = 0; lane < width; ++lane) {
-        const int ray = faces.ray[lane];
-        if (wave.starts_inside(ray)) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
-    }
+    for (int lane = 0; wave.some_start_inside && lane < width; ++lane)
+        if (wave.starts_inside(faces.ray[lane])) faces.departure.cell[static_cast<std::size_t>(lane)] = Departure::unknown_cell;
     note_paths(wave, t, faces);
 }
 
@@ -180,11 +180,9 @@ void PacketPaths::show_leaf(const Leaf& leaf, std::int32_t of_solid, FacePacket&
 }
 
 void PacketPaths::note_paths(const Wave& wave, const Lanes& t, FacePacket& faces) {
-    for (int lane = 0; lane < width; ++lane) {
-        const Path& path = wave.paths[faces.ray[lane]];
-        faces.travelled[lane] = path.travelled + t[lane];
-        faces.light_samples[lane] = tracer_.extended_lights * path.faces;
-    }
+    for (int lane = 0; lane < width; ++lane) faces.travelled[lane] = wave.paths[faces.ray[lane]].travelled + t[lane];
+    for (int lane = 0; tracer_.extended_lights > 0 && lane < width; ++lane)
+        faces.light_samples[lane] = tracer_.extended_lights * wave.paths[faces.ray[lane]].faces;
 }
 
 // For the layers beside the colour.
@@ -344,17 +342,32 @@ void place_points_by(const Transform& placement, const PointBatch& __restrict lo
     }
 }
 
-// Unit normals in the world, and turned against the rays that arrive.
+// Unit normals in the world.
 template <bool identity>
-void turn_normals_by(const Transform& placement, const NormalBatch& __restrict normals, const VectorLanes& __restrict arriving,
-                     VectorLanes& __restrict outward, VectorLanes& __restrict geometric) {
+[[gnu::noinline]] void find_unit_normals(const Transform& placement, const NormalBatch& __restrict normals,
+                                         VectorLanes& __restrict unit) {
     const Matrix3 inverse = placement.inverse_linear();
     for (int i = 0; i < PacketPaths::width; ++i) {
         const Vector normal{normals.x[i], normals.y[i], normals.z[i]};
-        const Vector unit = normalize(identity ? normal : multiply_transposed(normal, inverse));
-        const double sign = dot(unit, arriving[i]) > 0 ? -1 : 1;
-        outward.set(i, unit);
-        geometric.set(i, Vector{sign * unit.x, sign * unit.y, sign * unit.z});
+        unit.set(i, normalize(identity ? normal : multiply_transposed(normal, inverse)));
+    }
+}
+
+// As on a plane.
+[[gnu::noinline]] bool are_alike(const NormalBatch& normals) {
+    const double x = normals.x[0], y = normals.y[0], z = normals.z[0];
+    std::int64_t different = 0;
+    for (int i = 0; i < PacketPaths::width; ++i)
+        different += either(normals.x[i] != x, either(normals.y[i] != y, normals.z[i] != z)) ? 1 : 0;
+    return different == 0;
+}
+
+// Turned against the rays that arrive.
+[[gnu::noinline]] void turn_against(const VectorLanes& __restrict arriving, const VectorLanes& __restrict outward,
+                                    VectorLanes& __restrict geometric) {
+    for (int i = 0; i < PacketPaths::width; ++i) {
+        const double sign = dot(outward[i], arriving[i]) > 0 ? -1 : 1;
+        geometric.set(i, Vector{sign * outward.x[i], sign * outward.y[i], sign * outward.z[i]});
     }
 }
 
@@ -368,10 +381,15 @@ void PacketPaths::place_points(const Transform& placement, const PointBatch& loc
 }
 
 void PacketPaths::turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces) {
-    if (placement.has_identity_linear())
-        turn_normals_by<true>(placement, normals, faces.arriving, faces.outward, faces.geometric);
-    else
-        turn_normals_by<false>(placement, normals, faces.arriving, faces.outward, faces.geometric);
+    if (are_alike(normals)) {
+        const Normal unit = normalize(placement.to_parent(Normal(normals.x[0], normals.y[0], normals.z[0])));
+        for (int i = 0; i < width; ++i) faces.outward.set(i, unit);
+    } else if (placement.has_identity_linear()) {
+        find_unit_normals<true>(placement, normals, faces.outward);
+    } else {
+        find_unit_normals<false>(placement, normals, faces.outward);
+    }
+    turn_against(faces.arriving, faces.outward, faces.geometric);
     faces.shading = faces.geometric;
 }
 

@@ -72,6 +72,7 @@ private:
         std::span<const RayPacket> rays;  // its own ones, or those of the camera
         std::vector<RayPacket> own_rays;
         std::array<BoundaryPacket, wave_size / width> boundaries;
+        bool some_start_inside = false;  // of the rays whose boundaries are found
         std::vector<Path> paths;
         std::vector<Colour> colours;
         std::array<std::int32_t, wave_size> sender;  // of a mirrored ray: which ray of the wave before

@@ -306,7 +306,8 @@ void PacketPaths::note_rays_at_changes(const Wave& wave, std::int32_t leaf, cons
     faces.departure.leaf.fill(leaf), faces.departure.surface_class.fill(-1), faces.departure.inward.fill(0);
     faces.depart_alike = true;
     note_paths(wave, t, faces);
-    for (int lane = 0; lane < width; ++lane) faces.light_samples[lane] += tracer_.extended_lights * wave.lit[faces.ray[lane]];
+    for (int lane = 0; tracer_.extended_lights > 0 && lane < width; ++lane)
+        faces.light_samples[lane] += tracer_.extended_lights * wave.lit[faces.ray[lane]];
     std::int64_t leaving = 0;
     for (int lane = 0; lane < width; ++lane) leaving |= faces.cell_behind[lane] < 0 ? bit_of(lane) : 0;
     faces.leaving = static_cast<unsigned>(leaving);
