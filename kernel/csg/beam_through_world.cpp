@@ -12,14 +12,17 @@ BeamThroughWorld::BeamThroughWorld(const World& world) : world_(world), reach_(w
 void BeamThroughWorld::begin_tile(const Beam* beam) {
     tile_.clear(), part_.bounded.clear();
     part_.are_known = false;
-    tile_is_known_ = beam && list_tile({*beam, world_.hierarchy.anchor(), reach_});
+    tile_is_known_ = beam && list_tile(*beam);
 }
 
 // False where there are too many.
-bool BeamThroughWorld::list_tile(const BeamAmongBoxes& beam) {
-    const bool is_complete = for_each_in_reach(world_, beam, [&](const auto& low, const auto& high, std::int32_t solid) {
+bool BeamThroughWorld::list_tile(const Beam& beam) {
+    const Point anchor = world_.hierarchy.anchor();
+    const BeamAmongBoxes among_boxes(beam, anchor, reach_);
+    const DepthInBeam depth(beam, anchor, reach_);
+    const bool is_complete = for_each_in_reach(world_, among_boxes, [&](const auto& low, const auto& high, std::int32_t solid) {
         if (tile_.size() == most_of_tile) return false;
-        tile_.push_back({low, high, solid, beam.depth(low, high)});
+        tile_.push_back({low, high, solid, depth(low, high)});
         return true;
     });
     std::sort(tile_.begin(), tile_.end(), [](const SolidInReach& a, const SolidInReach& b) { return a.depth < b.depth; });

@@ -31,7 +31,7 @@ private:
     // More than these, and packets do better with a hierarchy.
     static constexpr std::size_t most_of_tile = 256, most_of_part = 48;
 
-    bool list_tile(const BeamAmongBoxes& beam);
+    bool list_tile(const Beam& beam);
 
     const World& world_;
     double reach_;

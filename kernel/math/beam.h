@@ -24,16 +24,14 @@ class BeamAmongBoxes {
 public:
     // Boxes are not further than `reach` from the anchor. What rounding may do to a distance from a plane is allowed for: that
     // of the eye's place and of the box's corner, and a few ulp of the sums of their products.
-    BeamAmongBoxes(const Beam& beam, const Point& anchor, double reach) : middle_(normalize(beam.middle)) {
+    BeamAmongBoxes(const Beam& beam, const Point& anchor, double reach) {
         const Vector eye = beam.eye - anchor;
-        const double size = largest_magnitude(beam.eye) + largest_magnitude(anchor) + largest_magnitude(to_point(eye)) + reach;
-        const double slack = 0x1p-48 * size;
+        const double slack = rounding_of(beam, anchor, reach);
         for (std::size_t i = 0; i < sides_.size(); ++i) {
             const Vector& inward = beam.inward[i];
             const double length = std::fabs(inward.x) + std::fabs(inward.y) + std::fabs(inward.z);
             sides_[i] = {inward, dot(inward, eye) - slack * length};
         }
-        depth_of_eye_ = dot(middle_, eye) + 4 * slack;
     }
 
     // Whether any ray may meet a box. What is no number counts as met.
@@ -44,10 +42,17 @@ public:
         return true;
     }
 
-    // How far along the middle a box begins. No ray meets the box before it has come as far.
+    // Of distances from planes through the eye.
+    static double rounding_of(const Beam& beam, const Point& anchor, double reach) {
+        const double from_anchor = largest_magnitude(beam.eye - anchor);
+        return 0x1p-48 * (largest_magnitude(beam.eye) + largest_magnitude(anchor) + from_anchor + reach);
+    }
+
+    // Of the corners of a box, the furthest one along a vector.
     template <class Corner>
-    double depth(const Corner& low, const Corner& high) const {
-        return -furthest(-middle_, low, high) - depth_of_eye_;
+    static double furthest(const Vector& along, const Corner& low, const Corner& high) {
+        return along.x * (along.x > 0 ? high[0] : low[0]) + along.y * (along.y > 0 ? high[1] : low[1]) +
+               along.z * (along.z > 0 ? high[2] : low[2]);
     }
 
 private:
@@ -56,15 +61,25 @@ private:
         double begin = 0;  // what dot(inward, p) is at least, inside
     };
 
+    std::array<Side, 4> sides_;
+};
+
+// How far along the middle of a beam boxes begin. No ray meets a box before it has come as far.
+class DepthInBeam {
+public:
+    // As of BeamAmongBoxes.
+    DepthInBeam(const Beam& beam, const Point& anchor, double reach)
+        : back_(-normalize(beam.middle)),
+          of_eye_(4 * BeamAmongBoxes::rounding_of(beam, anchor, reach) - dot(back_, beam.eye - anchor)) {}
+
     template <class Corner>
-    static double furthest(const Vector& along, const Corner& low, const Corner& high) {
-        return along.x * (along.x > 0 ? high[0] : low[0]) + along.y * (along.y > 0 ? high[1] : low[1]) +
-               along.z * (along.z > 0 ? high[2] : low[2]);
+    double operator()(const Corner& low, const Corner& high) const {
+        return -BeamAmongBoxes::furthest(back_, low, high) - of_eye_;
     }
 
-    std::array<Side, 4> sides_;
-    Vector middle_;  // of unit length
-    double depth_of_eye_ = 0;
+private:
+    Vector back_;  // of unit length
+    double of_eye_;
 };
 
 }  // namespace lapidary

@@ -22,9 +22,8 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
       focus_(camera.focus),
       lens_radius_(camera.aperture / 2),
       has_lens_(camera.aperture > 0 && camera.points != 1) {
-    view_.picture_width = width, view_.picture_height = height;
     orient(camera);
-    measure_screen(camera);
+    measure_screen(camera, width, height);
     if (has_lens_ && camera.points > 1) lens_points_ = even_disc_points(camera.points);
 }
 
@@ -42,22 +41,25 @@ void CameraRays::orient(const Camera& camera) {
     view_.up = normalize(cross(view_.forward, view_.right));
 }
 
-void CameraRays::measure_screen(const Camera& camera) {
-    const double aspect = view_.picture_width / view_.picture_height;
+void CameraRays::measure_screen(const Camera& camera, double picture_width, double picture_height) {
+    const double aspect = picture_width / picture_height;
     const bool perspective = projection_ == Camera::Projection::perspective;
     const double unit = perspective ? screen_distance_ : 1;
 
+    double width = 0, height = 0;
     if (camera.angle) {
-        view_.screen_width = 2 * std::tan(*camera.angle / 2) * (perspective ? 1 : screen_distance_);
-        view_.screen_height = view_.screen_width / aspect;
+        width = 2 * std::tan(*camera.angle / 2) * (perspective ? 1 : screen_distance_);
+        height = width / aspect;
     } else if (camera.screen_width) {
-        view_.screen_width = *camera.screen_width / unit;
-        view_.screen_height = camera.screen_height_given ? camera.screen_height / unit : view_.screen_width / aspect;
+        width = *camera.screen_width / unit;
+        height = camera.screen_height_given ? camera.screen_height / unit : width / aspect;
     } else {
-        view_.screen_height = camera.screen_height / unit;
-        view_.screen_width = view_.screen_height * aspect;
+        height = camera.screen_height / unit;
+        width = height * aspect;
     }
-    if (perspective) pixel_footprint_ = std::atan(view_.screen_height / view_.picture_height);
+    view_.middle_x = picture_width / 2, view_.middle_y = picture_height / 2;
+    view_.pixel_width = width / picture_width, view_.pixel_height = height / picture_height;
+    if (perspective) pixel_footprint_ = std::atan(view_.pixel_height);
 }
 
 Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
@@ -78,12 +80,23 @@ Ray CameraRays::ray(double x, double y, DiscPoint lens) const {
     return ray;
 }
 
-// ray() for all lanes; what they share is read once, so that the loop becomes vector instructions.
-void CameraRays::rays_through_pinhole(const Places& __restrict places, RayPacket& __restrict packet) const {
+// ray() for all lanes; what they share is read once, so that the loop becomes vector instructions. Where lengths cannot leave the
+// doubles nothing has to be scaled, and the bits are those of heading_along().
+template <bool is_moderate>
+void CameraRays::direct_through_pinhole(const Places& __restrict places, VectorLanes& __restrict direction) const {
     const View view = view_;
-    VectorLanes& direction = packet.direction;
-    for (int i = 0; i < batch_size; ++i)
-        direction.set(i, heading_along(view.forward + view.aside(places.x[i], places.y[i])).direction);
+    for (int i = 0; i < batch_size; ++i) {
+        const Vector way = view.forward + view.aside(places.x[i], places.y[i]);
+        direction.set(i, is_moderate ? (1 / length(way)) * way : heading_along(way).direction);
+    }
+}
+
+void CameraRays::rays_through_pinhole(const Places& places, RayPacket& packet) const {
+    constexpr double moderate = 1e100;
+    if (view_.middle_x * view_.pixel_width < moderate && view_.middle_y * view_.pixel_height < moderate)
+        direct_through_pinhole<true>(places, packet.direction);
+    else
+        direct_through_pinhole<false>(places, packet.direction);
     for (int i = 0; i < batch_size; ++i) packet.anchor.set(i, location_), packet.offset.set(i, Vector{});
 }
 

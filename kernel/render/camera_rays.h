@@ -62,19 +62,20 @@ private:
     // What the rays of all places share.
     struct View {
         Vector right, up, forward;
-        double picture_width = 1, picture_height = 1;  // pixels
-        // Perspective: the screen's size at distance 1. Orthographic: in world units.
-        double screen_width = 1, screen_height = 1;
+        double middle_x = 0.5, middle_y = 0.5;      // of the picture, in pixels
+        double pixel_width = 1, pixel_height = 1;  // perspective: on the screen at distance 1; orthographic: in world units
 
         // From the middle of the picture to one of its places, at distance 1.
         Vector aside(double x, double y) const { return to_right(x) * right + to_top(y) * up; }
-        double to_right(double x) const { return (x / picture_width - 0.5) * screen_width; }
-        double to_top(double y) const { return (0.5 - y / picture_height) * screen_height; }
+        double to_right(double x) const { return (x - middle_x) * pixel_width; }
+        double to_top(double y) const { return (middle_y - y) * pixel_height; }
     };
 
+    template <bool is_moderate>
+    void direct_through_pinhole(const Places& places, VectorLanes& direction) const;
     void rays_through_pinhole(const Places& places, RayPacket& packet) const;
     void orient(const Camera& camera);
-    void measure_screen(const Camera& camera);
+    void measure_screen(const Camera& camera, double picture_width, double picture_height);
 
     Camera::Projection projection_;
     Point location_;

@@ -590,7 +590,7 @@ void PacketPaths::begin_light(FacePacket& faces) {
         faces.ambient.set(i, Colour::black()), faces.diffuse.set(i, Colour::black()), faces.highlight.set(i, Colour::black());
         faces.mirrored.set(i, mirror(faces.arriving[i], Normal(faces.shading[i])));
     }
-    const LightSampleBatch middle{};
+    static constexpr LightSampleBatch middle{};
     for (const auto& ambient : world_.ambient_lights) {
         IlluminationBatch all_around;
         ambient->toward_batch(faces.points, middle, width, &all_around);

@@ -448,8 +448,9 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
         return;
     }
 
-    const std::size_t size = batch.take_block(block);
-    batch.place_in_middles(size, camera_, options_.sequence);
+    const bool keys_count = plan_.lights_are_sampled || camera_.has_lens();
+    const std::size_t size =
+        batch.place_in_middles(block, camera_, keys_count ? std::optional(options_.sequence) : std::nullopt);
     if (trace(worker, size, wants_layers_)) write_middles(block, worker);
 }
 

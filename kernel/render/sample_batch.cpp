@@ -6,6 +6,11 @@
 namespace lapidary {
 
 std::size_t SampleBatch::take_block(const PixelRegion& block) {
+    if (pixel_count(block) == pixels_of_block) {
+        for (std::size_t i = 0; i < pixels_of_block; ++i) x[i] = block.x0 + places_in_block[i].x;
+        for (std::size_t i = 0; i < pixels_of_block; ++i) y[i] = block.y0 + places_in_block[i].y;
+        return pixels_of_block;
+    }
     std::size_t count = 0;
     for (const PixelPlace& in_block : places_in_block) {
         const PixelPlace place{block.x0 + in_block.x, block.y0 + in_block.y};
@@ -13,7 +18,6 @@ std::size_t SampleBatch::take_block(const PixelRegion& block) {
         x[count] = place.x, y[count] = place.y;
         ++count;
     }
-    number.fill(0);
     return count;
 }
 
@@ -32,15 +36,19 @@ void SampleBatch::place(std::size_t count, const CameraRays& camera, const Pixel
     }
 }
 
-void SampleBatch::place_in_middles(std::size_t count, const CameraRays& camera, std::uint32_t sequence) {
+std::size_t SampleBatch::place_in_middles(const PixelRegion& block, const CameraRays& camera,
+                                          std::optional<std::uint32_t> sequence) {
+    const std::size_t count = take_block(block);
+    if (sequence) number.fill(0);
     repeat_last(count);
     for (std::size_t p = 0; p * batch_size < count; ++p) {
-        set_keys(p, camera, sequence);
+        if (sequence) set_keys(p, camera, *sequence);
         for (std::size_t i = 0; i < batch_size; ++i) {
             places[p].x.v[i] = x[p * batch_size + i] + 0.5;
             places[p].y.v[i] = y[p * batch_size + i] + 0.5;
         }
     }
+    return count;
 }
 
 // In lanes without a ray.

@@ -51,18 +51,18 @@ struct SampleBatch {
         if (with_faces) std::fill_n(faces.begin(), count, FirstFace{});
     }
 
-    // The pixels of a block, in the order of places_in_block; how many they are.
-    std::size_t take_block(const PixelRegion& block);
-
-    // Each sets the places of the first `count` samples.
+    // The middles of the pixels of a block, in the order of places_in_block; how many they are. Their keys are set where anything
+    // asks for them.
+    std::size_t place_in_middles(const PixelRegion& block, const CameraRays& camera, std::optional<std::uint32_t> sequence);
+    // Sets the places of the first `count` samples.
     void place(std::size_t count, const CameraRays& camera, const PixelFilter& filter, std::uint32_t sequence);
-    void place_in_middles(std::size_t count, const CameraRays& camera, std::uint32_t sequence);
 
     // What holds the rays of those places, and the rays.
     std::optional<Beam> beam(std::size_t count, const CameraRays& camera) const;
     std::span<const RayPacket> rays_of(std::size_t count, const CameraRays& camera);
 
 private:
+    std::size_t take_block(const PixelRegion& block);
     void repeat_last(std::size_t count);
     void set_keys(std::size_t packet, const CameraRays& camera, std::uint32_t sequence);
     void place_packet(std::size_t packet, const PixelFilter& filter);

@@ -60,7 +60,7 @@ TEST_CASE("A beam meets every box that one of its rays meets, and none deeper th
         const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
         const BeamAmongBoxes among_boxes(*beam, anchor, reach_of(box));
         lost += !among_boxes.may_meet(box.low, box.high);
-        const double depth = among_boxes.depth(box.low, box.high);
+        const double depth = DepthInBeam(*beam, anchor, reach_of(box))(box.low, box.high);
         too_deep += depth > distance, deep += depth > 0.5 * distance;
 
         // A box as far from the beam's rays as they run from the eye.
