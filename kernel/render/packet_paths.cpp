@@ -11,6 +11,16 @@
 
 namespace lapidary {
 
+namespace {
+
+constexpr LightSampleBatch middle_of_light = [] {
+    LightSampleBatch middle{};
+    for (int i = 0; i < batch_size; ++i) middle.u[i] = 0.5, middle.v[i] = 0.5;
+    return middle;
+}();
+
+}  // namespace
+
 // ---- waves -----------------------------------------------------------------------------------------------------------
 
 PacketPaths::Wave::Wave(bool through_matter) {
@@ -84,7 +94,7 @@ PacketPaths::FacePacket& PacketPaths::new_faces() {
     if (face_packets_ == faces_.size()) faces_.push_back(std::make_unique<FacePacket>());
     FacePacket& faces = *faces_[face_packets_++];
     faces.count = 0;
-    faces.transparent = 0, faces.sheets = 0, faces.leaving = 0, faces.depart_alike = false;
+    faces.transparent = 0, faces.sheets = 0, faces.leaving = 0, faces.depart_alike = false, faces.is_mirrored = false;
     return faces;
 }
 
@@ -362,13 +372,21 @@ template <bool identity>
     return different == 0;
 }
 
-// Turned against the rays that arrive.
-[[gnu::noinline]] void turn_against(const VectorLanes& __restrict arriving, const VectorLanes& __restrict outward,
-                                    VectorLanes& __restrict geometric) {
+// Normals turned against the rays that arrive, and the rays mirrored at them as long as no relief bends them.
+template <class Faces>
+[[gnu::noinline]] void turn_against_rays(Faces& __restrict faces) {
     for (int i = 0; i < PacketPaths::width; ++i) {
-        const double sign = dot(outward[i], arriving[i]) > 0 ? -1 : 1;
-        geometric.set(i, Vector{sign * outward.x[i], sign * outward.y[i], sign * outward.z[i]});
+        const Vector outward = faces.outward[i], arriving = faces.arriving[i];
+        const double sign = dot(outward, arriving) > 0 ? -1 : 1;
+        const Vector normal{sign * outward.x, sign * outward.y, sign * outward.z};
+        faces.geometric.set(i, normal), faces.shading.set(i, normal);
+        faces.mirrored.set(i, mirror(arriving, Normal(normal)));
     }
+}
+
+template <class Faces>
+[[gnu::noinline]] void mirror_at_shading_normals(Faces& __restrict faces) {
+    for (int i = 0; i < PacketPaths::width; ++i) faces.mirrored.set(i, mirror(faces.arriving[i], Normal(faces.shading[i])));
 }
 
 }  // namespace
@@ -389,8 +407,8 @@ void PacketPaths::turn_normals(const Transform& placement, const NormalBatch& no
     } else {
         find_unit_normals<false>(placement, normals, faces.outward);
     }
-    turn_against(faces.arriving, faces.outward, faces.geometric);
-    faces.shading = faces.geometric;
+    turn_against_rays(faces);
+    faces.is_mirrored = !world_.features.relief;
 }
 
 MatterSite PacketPaths::site_of(const FacePacket& faces, int lane) const {
@@ -586,14 +604,12 @@ Bounds PacketPaths::bounds_of_faces() const {
 }
 
 void PacketPaths::begin_light(FacePacket& faces) {
-    for (int i = 0; i < width; ++i) {
+    if (!faces.is_mirrored) mirror_at_shading_normals(faces);
+    for (int i = 0; i < width; ++i)
         faces.ambient.set(i, Colour::black()), faces.diffuse.set(i, Colour::black()), faces.highlight.set(i, Colour::black());
-        faces.mirrored.set(i, mirror(faces.arriving[i], Normal(faces.shading[i])));
-    }
-    static constexpr LightSampleBatch middle{};
     for (const auto& ambient : world_.ambient_lights) {
         IlluminationBatch all_around;
-        ambient->toward_batch(faces.points, middle, width, &all_around);
+        ambient->toward_batch(faces.points, middle_of_light, width, &all_around);
         for (int i = 0; i < width; ++i) {
             faces.ambient.r[i] += all_around.r[i];
             faces.ambient.g[i] += all_around.g[i];
@@ -656,17 +672,20 @@ void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, 
 
 }  // namespace
 
-// Tracer::Implementation::aim for all lanes.
-void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed) {
-    LightSampleBatch samples;
-    const bool has_extent = light.has_extent();
-    for (int i = 0; i < width; ++i) samples.u[i] = 0.5, samples.v[i] = 0.5;
-    for (int i = 0; has_extent && i < faces.count; ++i) {
+// Places on a light with extent, for the faces of a packet.
+LightSampleBatch PacketPaths::light_samples(FacePacket& faces) {
+    LightSampleBatch samples = middle_of_light;
+    for (int i = 0; i < faces.count; ++i) {
         const SamplePair pair = sample_pair(faces.key[i], dimension_pair::first_light + faces.light_samples[i]++);
         samples.u[i] = pair.u, samples.v[i] = pair.v;
     }
+    return samples;
+}
+
+// Tracer::Implementation::aim for all lanes.
+void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed) {
     IlluminationBatch& light_at = aimed.illumination;
-    light.toward_batch(faces.points, samples, width, &light_at);
+    light.toward_batch(faces.points, light.has_extent() ? light_samples(faces) : middle_of_light, width, &light_at);
 
     Lanes cosine, along_mirrored, facing;
     const unsigned lit = find_angles(faces, light_at, cosine, along_mirrored, facing) & ((1u << faces.count) - 1);

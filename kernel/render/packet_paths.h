@@ -117,6 +117,7 @@ private:
         ColourLanes colour, ambient, diffuse, highlight;
         DepartureLanes departure;
         bool depart_alike;  // all of the same face
+        bool is_mirrored;   // `mirrored` is known
         std::array<SampleKey, width> key;
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
@@ -186,17 +187,17 @@ private:
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
     void place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
-    static void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
-                                FacePacket& faces);
+    void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed, FacePacket& faces);
     void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
-    static void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
+    void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
     static void round_points(FacePacket& faces);
     MatterSite site_of(const FacePacket& faces, int lane) const;
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces(std::size_t depth);
     void begin_light(FacePacket& faces);
     void pass_over(const Light& light);
+    static LightSampleBatch light_samples(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
     static void aim_shadow_rays(const FacePacket& faces, const AimedLights& aimed, AimedShadows& shadows);
