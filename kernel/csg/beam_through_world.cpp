@@ -29,17 +29,24 @@ bool BeamThroughWorld::list_tile(const Beam& beam) {
     return is_complete;
 }
 
-void BeamThroughWorld::begin_part(const Beam* beam) {
+void BeamThroughWorld::begin_part(const Beam* beam, bool in_quarters) {
     part_.bounded.clear();
     part_.are_known = false;
     if (!tile_is_known_ || !beam) return;
-    const BeamAmongBoxes part(*beam, world_.hierarchy.anchor(), reach_);
+    const Point anchor = world_.hierarchy.anchor();
+    const BeamAmongBoxes part(*beam, anchor, reach_);
     for (const SolidInReach& solid : tile_) {
         if (!part.may_meet(solid.low, solid.high)) continue;
         if (part_.bounded.size() == most_of_part) return;
         part_.bounded.push_back(solid);
     }
     part_.are_known = true;
+    if (in_quarters && part_.bounded.size() > 1 && part_.bounded.size() <= most_by_quarters) divide_part(*beam);
+}
+
+void BeamThroughWorld::divide_part(const Beam& beam) {
+    const QuartersOfBeam quarters(beam, world_.hierarchy.anchor(), reach_);
+    for (SolidInReach& solid : part_.bounded) solid.quarters = quarters.that_may_meet(solid.low, solid.high);
 }
 
 }  // namespace lapidary

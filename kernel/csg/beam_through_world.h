@@ -20,8 +20,8 @@ public:
 
     // From now on rays lie within a tile's beam; null: anywhere.
     void begin_tile(const Beam* beam);
-    // Of these, within a part of it.
-    void begin_part(const Beam* beam);
+    // Of these, within a part of it; `in_quarters`: packet n of its rays is within quarter 2^n of QuartersOfBeam.
+    void begin_part(const Beam* beam, bool in_quarters);
 
     const SolidsInReach& solids() const { return part_; }
     // Whether the rays meet nothing, whichever they are.
@@ -30,8 +30,11 @@ public:
 private:
     // More than these, and packets do better with a hierarchy.
     static constexpr std::size_t most_of_tile = 256, most_of_part = 48;
+    // Of more than these several are left for each packet, which tests their boxes anyway.
+    static constexpr std::size_t most_by_quarters = 6;
 
     bool list_tile(const Beam& beam);
+    void divide_part(const Beam& beam);
 
     const World& world_;
     double reach_;

@@ -164,26 +164,27 @@ bool PacketThroughWorld::meets(const std::array<float, 3>& lowest, const std::ar
 
 // Calls visit(solid) for the solids that any ray may meet within its limit.
 template <PacketThroughWorld::Order order, class Visit>
-void PacketThroughWorld::for_each_solid(const SolidsInReach* among, Visit visit) {
+void PacketThroughWorld::for_each_solid(const SolidsInReach* among, unsigned quarter, Visit visit) {
     const bool all = !among || !among->are_known;
     for (std::int32_t solid : all ? world_.unbounded : among->unbounded) visit(solid);
     if (all) {
         walk<order>(visit);
         return;
     }
-    if (among->bounded.empty()) return;
-    if (among->bounded.size() == 1) {  // most rays that lie near one solid only meet its box
-        visit(among->bounded.front().solid);
-        return;
-    }
-    get_ready_for_boxes();
+    const auto in_quarter = [quarter](const SolidInReach& solid) { return (solid.quarters & quarter) != 0; };
+    const auto count = std::ranges::count_if(among->bounded, in_quarter);
+    if (count == 0) return;
+    // Most rays that lie near one solid only meet its box, and of two it costs as much to find out.
+    const bool tests_boxes = count > 2;
+    if (tests_boxes) get_ready_for_boxes();
     FloatLanes near;
-    double furthest = largest(limits_);
+    double furthest = infinity;
     for (const SolidInReach& in_reach : among->bounded) {
+        if (!in_quarter(in_reach)) continue;
         if (in_reach.depth > furthest) return;
-        if (!meets(in_reach.low, in_reach.high, near)) continue;
+        if (tests_boxes && !meets(in_reach.low, in_reach.high, near)) continue;
         visit(in_reach.solid);
-        furthest = largest(limits_);
+        if (order == Order::near_first) furthest = largest(limits_);
     }
 }
 
@@ -235,13 +236,14 @@ void PacketThroughWorld::walk(Visit visit) {
     }
 }
 
-void PacketThroughWorld::first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries) {
+void PacketThroughWorld::first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries,
+                                          unsigned quarter) {
     limits_.v.fill(infinity);
     boundaries.t.v.fill(infinity), boundaries.solid.fill(-1), boundaries.leaf.fill(-1), boundaries.face.fill(-1);
     boundaries.starts_inside = 0;
     start(rays);
     const auto meet = [&](std::int32_t solid) { meet_solid(solid, boundaries); };
-    for_each_solid<Order::near_first>(among, meet);
+    for_each_solid<Order::near_first>(among, quarter, meet);
     if (!world_.sheets.empty()) {
         Lanes from;
         from.v.fill(0);
@@ -308,7 +310,7 @@ unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distanc
     limits_ = distances;
     start(rays);
     unsigned blocked = 0;
-    for_each_solid<Order::any>(among, [&](std::int32_t index) {
+    for_each_solid<Order::any>(among, SolidInReach::all_rays, [&](std::int32_t index) {
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
         solid_.enter(world_.solids[index], limits_, t, leaf);
@@ -352,7 +354,7 @@ unsigned PacketThroughWorld::blocked_by_sheets(const Lanes& distances, unsigned 
 // ---- transparent Worlds ----------------------------------------------------------------------------------------------
 
 void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& stretch, const SolidsInReach* among,
-                                       ChangePacket& changes) {
+                                       ChangePacket& changes, unsigned quarter) {
     from_ = stretch.from, limits_ = stretch.limit;
     BoundaryPacket& first = changes.first;
     first.t.v.fill(infinity), first.solid.fill(-1), first.leaf.fill(-1);
@@ -362,7 +364,7 @@ void PacketThroughWorld::first_changes(const RayPacket& rays, const Stretch& str
     starts_.first.fill(-1), starts_.second.fill(-1);
     starts_.leaves_first = 0, starts_.shared = 0;
     start(rays);
-    for_each_solid<Order::near_first>(among, [&](std::int32_t solid) { change_at_solid(solid, changes); });
+    for_each_solid<Order::near_first>(among, quarter, [&](std::int32_t solid) { change_at_solid(solid, changes); });
     finish_changes(changes);
 }
 
@@ -473,7 +475,7 @@ PacketThroughWorld::Shadows PacketThroughWorld::shadows(const RayPacket& rays, c
     limits_ = distances;
     start(rays);
     Shadows shadows;
-    for_each_solid<Order::any>(among, [&](std::int32_t index) {
+    for_each_solid<Order::any>(among, SolidInReach::all_rays, [&](std::int32_t index) {
         const Solid::Shadow shadow = world_.solids[index].shadow;
         if (shadow == Solid::Shadow::clear) return;
         const unsigned bits = reached(index);

@@ -23,8 +23,9 @@ public:
     PacketThroughWorld(const World& world, TraceStatistics& statistics);
 
     // What each ray meets first in a World that has nothing transparent. Packets are filled up.
-    // `among`: the solids that the rays may meet; null: all.
-    void first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries);
+    // `among`: the solids that the rays may meet; null: all. `quarter`: the part of them that the rays are, where they are divided.
+    void first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries,
+                          unsigned quarter = SolidInReach::all_rays);
 
     // The lines of the last packet of rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf) { return solid_.placed_lines(leaf); }
@@ -42,7 +43,8 @@ public:
     struct Stretch {
         Lanes from, limit;
     };
-    void first_changes(const RayPacket& rays, const Stretch& stretch, const SolidsInReach* among, ChangePacket& changes);
+    void first_changes(const RayPacket& rays, const Stretch& stretch, const SolidsInReach* among, ChangePacket& changes,
+                       unsigned quarter = SolidInReach::all_rays);
 
     // Of the rays to a light: those that are blocked, and, of the others, those that are dimmed, or may be.
     struct Shadows {
@@ -69,7 +71,7 @@ private:
     void set_limits();
     static void round_limits(const Lanes& limits, const Lanes& shifts, FloatLanes& rounded);
     template <Order order, class Visit>
-    void for_each_solid(const SolidsInReach* among, Visit visit);
+    void for_each_solid(const SolidsInReach* among, unsigned quarter, Visit visit);
     template <Order order, class Visit>
     void walk(Visit visit);
     void ask_for_children(const Hierarchy::Node& node) const;

@@ -15,7 +15,10 @@ namespace lapidary {
 struct SolidInReach {
     std::array<float, 3> low, high;
     std::int32_t solid;
-    double depth;  // no ray meets the box before it has come as far
+    double depth;                  // no ray meets the box before it has come as far
+    unsigned quarters = all_rays;  // what part of the rays may meet it, where they are divided
+
+    static constexpr unsigned all_rays = 15;
 };
 
 struct SolidsInReach {

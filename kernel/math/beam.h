@@ -17,6 +17,7 @@ struct Beam {
     Point eye;
     std::array<Vector, 4> inward;  // normals of the planes, not shorter than 1
     Vector middle;                 // along the middle of the rectangle
+    Vector to_right, to_top;       // normals of the planes that divide it there in quarters, like the others
 };
 
 // A beam among boxes that are given relative to an anchor.
@@ -62,6 +63,51 @@ private:
     };
 
     std::array<Side, 4> sides_;
+};
+
+// Quarters of a beam among boxes, likewise.
+class QuartersOfBeam {
+public:
+    enum Quarter : unsigned { top_left = 1, top_right = 2, bottom_left = 4, bottom_right = 8, all = 15 };
+
+    QuartersOfBeam(const Beam& beam, const Point& anchor, double reach)
+        : right_(beam.to_right, beam, anchor, reach), top_(beam.to_top, beam, anchor, reach) {}
+
+    // Those whose rays may meet a box.
+    template <class Corner>
+    unsigned that_may_meet(const Corner& low, const Corner& high) const {
+        unsigned quarters = all;
+        if (right_.is_all_behind(low, high)) quarters &= top_left | bottom_left;
+        if (right_.is_all_before(low, high)) quarters &= top_right | bottom_right;
+        if (top_.is_all_behind(low, high)) quarters &= bottom_left | bottom_right;
+        if (top_.is_all_before(low, high)) quarters &= top_left | top_right;
+        return quarters;
+    }
+
+private:
+    // What lies behind the normal of a plane and what before it, rounding allowed for.
+    class Divide {
+    public:
+        Divide(const Vector& normal, const Beam& beam, const Point& anchor, double reach) : normal_(normal) {
+            const double length = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
+            const double slack = BeamAmongBoxes::rounding_of(beam, anchor, reach) * length, at = dot(normal, beam.eye - anchor);
+            behind_ = at - slack, before_ = at + slack;
+        }
+        template <class Corner>
+        bool is_all_behind(const Corner& low, const Corner& high) const {
+            return BeamAmongBoxes::furthest(normal_, low, high) < behind_;
+        }
+        template <class Corner>
+        bool is_all_before(const Corner& low, const Corner& high) const {
+            return -BeamAmongBoxes::furthest(-normal_, low, high) > before_;
+        }
+
+    private:
+        Vector normal_;
+        double behind_, before_;
+    };
+
+    Divide right_, top_;
 };
 
 // How far along the middle of a beam boxes begin. No ray meets a box before it has come as far.

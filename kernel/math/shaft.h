@@ -37,27 +37,34 @@ public:
     template <class Triple>
     bool may_meet(const Triple& low, const Triple& high) const {
         constexpr double rounding = 0x1p-40;
-        double first = -rounding, last = 1 + rounding;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low_sides_[axis].narrow(high[axis], first, last);
-            high_sides_[axis].narrow(low[axis], first, last);
-        }
+        const Part x0 = low_sides_[0].part_before(high[0]), x1 = high_sides_[0].part_before(low[0]);
+        const Part y0 = low_sides_[1].part_before(high[1]), y1 = high_sides_[1].part_before(low[1]);
+        const Part z0 = low_sides_[2].part_before(high[2]), z1 = high_sides_[2].part_before(low[2]);
+        const Part part = common(common(common(x0, x1), common(y0, y1)), common(z0, z1));
+        const double first = part.first > -rounding ? part.first : -rounding;
+        const double last = part.last < 1 + rounding ? part.last : 1 + rounding;
         return !(first > last);
     }
 
 private:
+    struct Part {
+        double first, last;
+    };
+    // Folded two by two, so that no choice waits for all before it. What is no number narrows nothing.
+    static Part common(const Part& a, const Part& b) {
+        return {a.first > b.first ? a.first : b.first, a.last < b.last ? a.last : b.last};
+    }
+
     // A coordinate that runs evenly along the way has to be on one side of that of a box's corner: from some part of the way on,
     // or up to there.
     struct Side {
         double begin, inverse_slope;
         double unbounded;  // infinity where the part is the first, -infinity where it is the last
 
-        // Chosen without branches, and so that what is no number changes nothing.
-        void narrow(double corner, double& first, double& last) const {
+        // Chosen without branches.
+        Part part_before(double corner) const {
             const double part = (corner - begin) * inverse_slope;
-            const double begins = unbounded < part ? unbounded : part, ends = unbounded > part ? unbounded : part;
-            first = begins > first ? begins : first;
-            last = ends < last ? ends : last;
+            return {unbounded < part ? unbounded : part, unbounded > part ? unbounded : part};
         }
     };
 

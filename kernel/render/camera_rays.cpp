@@ -133,7 +133,9 @@ std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1)
     beam.eye = location_;
     beam.inward = {view_.right - (left - margin) * forward, (right + margin) * forward - view_.right,
                    view_.up - (bottom - margin) * forward, (top + margin) * forward - view_.up};
-    beam.middle = forward + 0.5 * (left + right) * view_.right + 0.5 * (bottom + top) * view_.up;
+    const double middle = 0.5 * (left + right), level = 0.5 * (bottom + top);
+    beam.middle = forward + middle * view_.right + level * view_.up;
+    beam.to_right = view_.right - middle * forward, beam.to_top = view_.up - level * forward;
     return beam;
 }
 

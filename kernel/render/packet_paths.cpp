@@ -74,7 +74,7 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     std::uint64_t waiting = 0;
     wave.some_start_inside = false;
     for (std::size_t p = 0; p < packets; ++p) {
-        packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p]);
+        packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p], 1u << p);
         wave.some_start_inside |= wave.boundaries[p].starts_inside != 0;
         waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
     }

@@ -119,7 +119,7 @@ void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<FirstFa
     const PacketThroughWorld::Stretch& stretch = wave.stretches[begin / width];
     ChangePacket& changes = wave.changes[packet];
     Meetings& meetings = wave.meetings[packet];
-    packet_.first_changes(rays, stretch, in_reach_of(depth), changes);
+    packet_.first_changes(rays, stretch, in_reach_of(depth), changes, depth == 0 ? 1u << packet : SolidInReach::all_rays);
     find_meetings(changes, meetings);
     std::fill_n(wave.colours.begin() + begin, count, world_.background);
 

@@ -142,7 +142,7 @@ private:
     void paint(const PixelRegion& part, const Colour& colour);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
-    static std::optional<Colour> spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker);
+    static std::optional<Colour> spare(const std::optional<Beam>& beam, bool in_quarters, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);
 
@@ -437,7 +437,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     SampleBatch& batch = *worker.batch;
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
     ask_for_colours(block);
-    if (const std::optional<Colour> known = spare(beam, pixel_count(block), worker)) {
+    if (const std::optional<Colour> known = spare(beam, pixel_count(block) == pixels_of_block, pixel_count(block), worker)) {
         if (shows_colours_only(block) && is_finite(*known)) {
             paint(block, *known);
             worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
@@ -526,8 +526,8 @@ void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
 }
 
 // Begins a part of a tile. Where it is known what its rays bring back, that is the answer: no ray has to be sent.
-std::optional<Colour> Passes::spare(const std::optional<Beam>& beam, std::size_t size, Worker& worker) {
-    const std::optional<Colour> known = worker.integrand->begin_part(beam ? &*beam : nullptr);
+std::optional<Colour> Passes::spare(const std::optional<Beam>& beam, bool in_quarters, std::size_t size, Worker& worker) {
+    const std::optional<Colour> known = worker.integrand->begin_part(beam ? &*beam : nullptr, in_quarters);
     if (known) worker.spared_samples += size;
     return known;
 }
@@ -564,7 +564,7 @@ void Passes::flush(Worker& worker) {
     if (size == 0 || is_stopped()) return;
     batch.place(size, camera_, filter_, options_.sequence);
     const bool layers = std::exchange(batch.has_layers, false);
-    if (const std::optional<Colour> known = spare(batch.beam(size, camera_), size, worker))
+    if (const std::optional<Colour> known = spare(batch.beam(size, camera_), false, size, worker))
         batch.fill(size, *known, layers);
     else if (!trace(worker, size, layers))
         return;

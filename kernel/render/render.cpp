@@ -22,7 +22,9 @@ public:
         tracer_.trace(rays, colours, faces);
     }
     void begin_tile(const Beam* beam) override { tracer_.begin_tile(beam); }
-    std::optional<Colour> begin_part(const Beam* beam) override { return tracer_.begin_part(beam); }
+    std::optional<Colour> begin_part(const Beam* beam, bool in_quarters) override {
+        return tracer_.begin_part(beam, in_quarters);
+    }
     TraceStatistics statistics() const override { return tracer_.statistics(); }
 
 private:

@@ -395,10 +395,10 @@ void Tracer::trace(std::span<const RayPacket> rays, std::span<Colour> colours, s
 
 void Tracer::begin_tile(const Beam* beam) { implementation_->beam.begin_tile(beam); }
 
-std::optional<Colour> Tracer::begin_part(const Beam* beam) {
+std::optional<Colour> Tracer::begin_part(const Beam* beam, bool in_quarters) {
     Implementation& tracer = *implementation_;
     if (tracer.observer || tracer.one_by_one) return std::nullopt;
-    tracer.beam.begin_part(beam);
+    tracer.beam.begin_part(beam, in_quarters);
     if (!tracer.beam.is_empty()) return std::nullopt;
     return tracer.world.background;
 }

@@ -8,6 +8,7 @@
 
 #include "kernel/prepare/world.h"
 #include "kernel/render/camera_rays.h"
+#include "kernel/render/tile.h"
 #include "kernel/render/tracer.h"
 #include "support/catch.h"
 #include "support/scenes.h"
@@ -33,10 +34,11 @@ Ray ray_of(const CameraRays& camera, int x, int y) {
 
 // Part by part, as pictures are made: first a tile, then blocks in it; returns how many rays were spared.
 std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector<RaySample>& picture) {
-    constexpr int tile = 32, block = 8;
+    constexpr int tile = tile_size, block = block_size;
     std::size_t spared = 0;
     std::vector<Ray> rays;
     std::vector<RaySample> samples;
+    std::vector<std::size_t> places;  // of rays in the picture
     const auto beam_of = [&](int x, int y, int size) {
         return camera.beam(x + 0.5, y + 0.5, std::min(x + size, columns) - 0.5, std::min(y + size, rows) - 0.5);
     };
@@ -44,17 +46,19 @@ std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector
         for (int x = 0; x < columns; x += block) {
             const auto of_tile = beam_of(x / tile * tile, y / tile * tile, tile), of_block = beam_of(x, y, block);
             tracer.begin_tile(of_tile ? &*of_tile : nullptr);
-            const auto known = tracer.begin_part(of_block ? &*of_block : nullptr);
-            rays.clear();
-            for (int v = y; v < std::min(y + block, rows); ++v)
-                for (int u = x; u < std::min(x + block, columns); ++u) rays.push_back(ray_of(camera, u, v));
+            const bool is_whole = x + block <= columns && y + block <= rows;
+            const auto known = tracer.begin_part(of_block ? &*of_block : nullptr, is_whole);
+            rays.clear(), places.clear();
+            for (const PixelPlace& place : places_in_block) {
+                const int u = x + place.x, v = y + place.y;
+                if (u >= columns || v >= rows) continue;
+                rays.push_back(ray_of(camera, u, v));
+                places.push_back(static_cast<std::size_t>(v) * columns + static_cast<std::size_t>(u));
+            }
             samples.assign(rays.size(), RaySample{{}, known.value_or(Colour{})});
             if (!known) tracer.trace(rays, samples);
             spared += known ? rays.size() : 0;
-            auto sample = samples.begin();
-            for (int v = y; v < std::min(y + block, rows); ++v)
-                for (int u = x; u < std::min(x + block, columns); ++u)
-                    picture[static_cast<std::size_t>(v) * columns + static_cast<std::size_t>(u)] = *sample++;
+            for (std::size_t i = 0; i < places.size(); ++i) picture[places[i]] = samples[i];
         }
     return spared;
 }
