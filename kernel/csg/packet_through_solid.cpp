@@ -127,22 +127,26 @@ double greater(double a, double b) { return a > b ? a : b; }
     }
 }
 
-// Spans along the local lines as spans of the world's t; empty ones end before they begin.
-[[gnu::noinline]] void count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
+bool is_near_end_of(double in, double out, double anchor) {
+    return is_near_root(lesser(std::fabs(in), std::fabs(out)), anchor);
+}
+
+// Spans along the local lines as spans of the world's t; empty ones end before they begin. Whether any has near ends.
+[[gnu::noinline]] bool count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
                                           Lanes& __restrict out) {
+    std::int64_t near = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        const bool empty = !(spans.in[i] < spans.out[i]);
-        in[i] = empty ? infinity : anchor[i] + spans.in[i];
-        out[i] = empty ? -infinity : anchor[i] + spans.out[i];
+        const double first = spans.in[i], last = spans.out[i], origin = anchor[i];
+        const double begin = first < last ? origin + first : infinity, end = first < last ? origin + last : -infinity;
+        in[i] = begin, out[i] = end;
+        near += is_near_end_of(begin, end, origin);
     }
+    return near > 0;
 }
 
 [[gnu::noinline]] bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
     std::int64_t near = 0;
-    for (int i = 0; i < PacketThroughSolid::width; ++i) {
-        const double nearer = lesser(std::fabs(in[i]), std::fabs(out[i]));
-        near += is_near_root(nearer, anchor[i]);
-    }
+    for (int i = 0; i < PacketThroughSolid::width; ++i) near += is_near_end_of(in[i], out[i], anchor[i]);
     return near > 0;
 }
 
@@ -411,9 +415,9 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
         shared_spans(leaf, in, out, faces);
         return;
     }
-    own_spans(leaf, in, out);
+    const bool has_near = own_spans(leaf, in, out);
     if (departed_leaves_.has(index)) remove_departures(in, out, index, -1);
-    if (has_near_ends(in, out, placed_.anchor))
+    if (has_near)
         find_near_ends_of_lanes(
             leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
 }
@@ -432,13 +436,13 @@ void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<con
     }
 }
 
-// With placed_ set to the leaf's lines.
-void PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+// With placed_ set to the leaf's lines; whether spans have near ends.
+bool PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     ask_for(leaf.object);
     placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
     SpanBatch batch;
     leaf.object->spans_batch(placed_.lines, width, &batch);
-    count_from_origins(batch, placed_.anchor, in, out);
+    return count_from_origins(batch, placed_.anchor, in, out);
 }
 
 // What the leaf's surfaces have in common.
@@ -475,23 +479,21 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
         plane_spans(use, frame, surface_class.surface, in, out);
         return;
     }
-    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder)
-        tube_spans(frame, surface_class.surface.a, in, out);
-    else
-        own_spans(frame, in, out);
+    const bool is_tube = !surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder;
+    const bool has_near = is_tube ? tube_spans(frame, surface_class.surface.a, in, out) : own_spans(frame, in, out);
     if (departed_classes_.has(use.surface_class)) remove_departures(in, out, -1, use.surface_class);
-    if (!surface_class.whole && has_near_ends(in, out, placed_.anchor))
+    if (!surface_class.whole && has_near)
         find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
 }
 
-void PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
+bool PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
     SpanBatch batch;
     for (int i = 0; i < width; ++i) {
         const Span span = tube_span(placed_.lines.line(i), radius);
         batch.in[i] = span.in, batch.out[i] = span.out;
     }
-    count_from_origins(batch, placed_.anchor, in, out);
+    return count_from_origins(batch, placed_.anchor, in, out);
 }
 
 void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {

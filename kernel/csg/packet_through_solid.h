@@ -113,8 +113,8 @@ private:
     void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr);
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
     void surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out);
-    void own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
-    void tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
+    bool own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
+    bool tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
     void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
     template <class Departs>

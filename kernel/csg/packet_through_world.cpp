@@ -174,8 +174,8 @@ void PacketThroughWorld::for_each_solid(const SolidsInReach* among, unsigned qua
     const auto in_quarter = [quarter](const SolidInReach& solid) { return (solid.quarters & quarter) != 0; };
     const auto count = std::ranges::count_if(among->bounded, in_quarter);
     if (count == 0) return;
-    // Most rays that lie near one solid only meet its box, and of two it costs as much to find out.
-    const bool tests_boxes = count > 2;
+    // Most rays that lie near one solid only meet its box, and of a few it costs as much to find out.
+    const bool tests_boxes = count > 3;
     if (tests_boxes) get_ready_for_boxes();
     FloatLanes near;
     double furthest = infinity;

@@ -38,18 +38,21 @@ inline double larger_magnitude(double a, double b) { return std::fabs(a) > std::
 
 // The ball |p| <= r. The line is given about m, its point closest to the centre, so m.d = 0, and |m + t d| = r at
 //
-//     t = -h and t = h,   h = sqrt((r - |m|)(r + |m|) / d.d).
+//     t = -h and t = h,   h = sqrt((r^2 - m.m) / d.d).
+//
+// Taken away one by one, the squares lose 2 u r^2 at most. In the factored form, (r - |m|)(r + |m|), the rounding of |m| alone
+// weighs as much, and its root takes a third of the time.
 inline Span ball_span(const LocalLine& line, double radius) {
     const double shrink = normalizing_power_of_two(radius);
     const Vector m = shrink * to_vector(line.closest);
     const double r = shrink * radius;
-    const double distance = std::sqrt(dot(m, m));
-    if (!(distance < r)) return Span::none();
+    const double chord = ((r * r - m.x * m.x) - m.y * m.y) - m.z * m.z;
+    if (!(chord > 0)) return Span::none();
 
     const Vector& v = line.direction;
     const double slow = normalizing_power_of_two(larger_magnitude(v.x, larger_magnitude(v.y, v.z)));
     const Vector d = slow * v;
-    const double h = std::sqrt((r - distance) * (r + distance) / dot(d, d)) * (slow * (1 / shrink));
+    const double h = std::sqrt(chord / dot(d, d)) * (slow * (1 / shrink));
     return {-h, h};
 }
 

@@ -5,10 +5,9 @@
 // In its own space the ball is |p| <= r. The line arrives about m, its point closest to the centre, so m.d = 0
 // and the surface |m + t d| = r is met at
 //
-//     t = -h and t = h,   h = sqrt((r - |m|)(r + |m|) / d.d).
+//     t = -h and t = h,   h = sqrt((r^2 - m.m) / d.d).
 //
-// The factored difference keeps its digits where r^2 - |m|^2 would lose them. A line that only touches the ball
-// has no length inside it: a miss. The kernel asks the same question, so the formula lives in kernel/math/roots.h.
+// A line that only touches the ball has no length inside it: a miss. The kernel asks the same question, so the formula lives in kernel/math/roots.h.
 
 #include <lapidary/plugin.h>
 
