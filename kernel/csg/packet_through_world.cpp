@@ -46,7 +46,23 @@ float greater(float a, float b) { return a > b ? a : b; }
     return count;
 }
 
-// Where t is below its limit: bit i for lane i.
+// Lanes that meet something: bit i for lane i.
+struct MetLanes {
+    unsigned met, inside;  // of them those that start inside
+};
+
+// Where t is below its limit: these lanes are done.
+[[gnu::noinline]] MetLanes end_met_lanes(const Lanes& __restrict t, Lanes& __restrict limits) {
+    std::int64_t met = 0, inside = 0;
+    for (int i = 0; i < PacketThroughWorld::width; ++i) {
+        const double at = t[i], limit = limits[i];
+        met |= at < limit ? bit_of(i) : 0;
+        inside |= both(at < limit, at == 0) ? bit_of(i) : 0;
+        limits[i] = at < limit ? -1 : limit;
+    }
+    return {static_cast<unsigned>(met), static_cast<unsigned>(inside)};
+}
+
 [[gnu::noinline]] unsigned lanes_within(const Lanes& t, const Lanes& limits) {
     std::int64_t bits = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) bits |= t[i] < limits[i] ? bit_of(i) : 0;
@@ -314,15 +330,11 @@ unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distanc
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
         solid_.enter(world_.solids[index], limits_, t, leaf);
-        const unsigned hits = lanes_within(t, limits_) & rays.lanes();
-        if (hits == 0) return;
-        for (unsigned rest = hits; rest != 0; rest &= rest - 1) {
-            const int i = std::countr_zero(rest);
-            if (t[i] == 0) count_start_inside(rays.departure[i], statistics_);
-            limits_[i] = -1;
-        }
-        blocked |= hits;
-        set_limits();
+        const MetLanes hits = end_met_lanes(t, limits_);  // never lanes without a ray: their limits are below 0
+        for (unsigned rest = hits.inside; rest != 0; rest &= rest - 1)
+            count_start_inside(rays.departure[std::countr_zero(rest)], statistics_);
+        blocked |= hits.met;
+        if (hits.met != 0) set_limits();
     });
     return blocked | blocked_by_sheets(distances, ~blocked);
 }
