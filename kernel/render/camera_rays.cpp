@@ -129,11 +129,12 @@ std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1)
     const double bottom = view_.to_top(y1 + part_of_pixel), top = view_.to_top(y0 - part_of_pixel);
     const double margin = rounding * (1 + std::fabs(left) + std::fabs(right) + std::fabs(bottom) + std::fabs(top));
     const Vector& forward = view_.forward;
-    std::optional<Beam> found(std::in_place);  // filled where it is returned: copying would wait for what was just written
+    // Filled where it is returned, one after the other: copying would wait for what was just written.
+    std::optional<Beam> found(std::in_place);
     Beam& beam = *found;
     beam.eye = location_;
-    beam.inward = {view_.right - (left - margin) * forward, (right + margin) * forward - view_.right,
-                   view_.up - (bottom - margin) * forward, (top + margin) * forward - view_.up};
+    beam.inward[0] = view_.right - (left - margin) * forward, beam.inward[1] = (right + margin) * forward - view_.right;
+    beam.inward[2] = view_.up - (bottom - margin) * forward, beam.inward[3] = (top + margin) * forward - view_.up;
     const double middle = 0.5 * (left + right), level = 0.5 * (bottom + top);
     beam.middle = forward + middle * view_.right + level * view_.up;
     beam.to_right = view_.right - middle * forward, beam.to_top = view_.up - level * forward;

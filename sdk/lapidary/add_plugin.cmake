@@ -25,6 +25,15 @@ function(lapidary_level_options level variable)
   if(level STREQUAL x86-64-v4)
     list(APPEND options -mprefer-vector-width=256)
   endif()
+  # Lanes are copied and cleared by vectors of the size that they are written by: g++ would take `rep stos`, which is slow to begin,
+  # and loads of 512 bits, which wait until all that they are made of has left for memory.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12 AND level)
+    set(strategy vector_loop:8192:noalign,libcall:-1:noalign)
+    list(APPEND options -mmemset-strategy=${strategy} -mmemcpy-strategy=${strategy})
+    if(level STREQUAL x86-64-v4)
+      list(APPEND options -mmove-max=256 -mstore-max=256)
+    endif()
+  endif()
   set(${variable} ${options} PARENT_SCOPE)
 endfunction()
 
