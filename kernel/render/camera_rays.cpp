@@ -117,27 +117,39 @@ void CameraRays::rays(const Places& places, int count, RayPacket& packet) const 
     packet.fill_up();
 }
 
+namespace {
+
+// sign (aside - at forward), coordinate by coordinate: vectors that are put together and then copied wait for themselves.
+void set_plane(Vector& normal, double sign, const Vector& aside, double at, const Vector& forward) {
+    normal.x = sign * (aside.x - at * forward.x);
+    normal.y = sign * (aside.y - at * forward.y);
+    normal.z = sign * (aside.z - at * forward.z);
+}
+
+}  // namespace
+
 // At distance 1 the rectangle has left, right, bottom and top. What is to the right of its left edge is p with
 //
 //     (p - L) . (right - left forward) > 0,
 //
 // and so on: no difference of close numbers is taken, however small the rectangle is. It is a little larger than was asked for.
 std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1) const {
-    if (projection_ != Camera::Projection::perspective || has_lens_) return std::nullopt;
+    std::optional<Beam> found;  // the same one in every return, so that it is made where it is wanted
+    if (projection_ != Camera::Projection::perspective || has_lens_) return found;
     constexpr double part_of_pixel = 1.0 / 64, rounding = 0x1p-44;
     const double left = view_.to_right(x0 - part_of_pixel), right = view_.to_right(x1 + part_of_pixel);
     const double bottom = view_.to_top(y1 + part_of_pixel), top = view_.to_top(y0 - part_of_pixel);
     const double margin = rounding * (1 + std::fabs(left) + std::fabs(right) + std::fabs(bottom) + std::fabs(top));
     const Vector& forward = view_.forward;
-    // Filled where it is returned, one after the other: copying would wait for what was just written.
-    std::optional<Beam> found(std::in_place);
-    Beam& beam = *found;
+    Beam& beam = found.emplace();
     beam.eye = location_;
-    beam.inward[0] = view_.right - (left - margin) * forward, beam.inward[1] = (right + margin) * forward - view_.right;
-    beam.inward[2] = view_.up - (bottom - margin) * forward, beam.inward[3] = (top + margin) * forward - view_.up;
+    set_plane(beam.inward[0], 1, view_.right, left - margin, forward);
+    set_plane(beam.inward[1], -1, view_.right, right + margin, forward);
+    set_plane(beam.inward[2], 1, view_.up, bottom - margin, forward);
+    set_plane(beam.inward[3], -1, view_.up, top + margin, forward);
     const double middle = 0.5 * (left + right), level = 0.5 * (bottom + top);
     beam.middle = forward + middle * view_.right + level * view_.up;
-    beam.to_right = view_.right - middle * forward, beam.to_top = view_.up - level * forward;
+    set_plane(beam.to_right, 1, view_.right, middle, forward), set_plane(beam.to_top, 1, view_.up, level, forward);
     return found;
 }
 
