@@ -7,13 +7,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <new>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "kernel/export.h"
+#include "kernel/render/zero_memory.h"
 
 namespace lapidary {
 
@@ -47,25 +46,6 @@ public:
 
 private:
     std::uint32_t bits_ = 0;
-};
-
-// Memory that is zero because the system gives it so: pages that nothing is written to are never made, and the others by the
-// threads that write to them. Of much memory the pages are large where the system has such: making them one by one is up to a
-// tenth of the time that a simple picture takes.
-LAPIDARY_API void* allocate_zero(std::size_t bytes);  // throws std::bad_alloc
-LAPIDARY_API void free_zero(void* memory, std::size_t bytes);
-
-template <class T>
-struct ZeroMemory {
-    using value_type = T;
-    T* allocate(std::size_t count) {
-        if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) throw std::bad_alloc();
-        return static_cast<T*>(allocate_zero(count * sizeof(T)));
-    }
-    void deallocate(T* memory, std::size_t count) { free_zero(memory, count * sizeof(T)); }
-    template <class U>
-    void construct(U*) {}  // it is zero already
-    bool operator==(const ZeroMemory&) const = default;
 };
 
 class LAPIDARY_API Frame {

@@ -12,6 +12,7 @@
 
 #include "kernel/render/pixel_estimate.h"
 #include "kernel/render/tile.h"
+#include "kernel/render/zero_memory.h"
 
 namespace lapidary {
 
@@ -76,7 +77,7 @@ private:
     static Row mean_moves(const Window& window, std::size_t row);
 
     PixelRegion area_;
-    std::vector<Pixel> pixels_;
+    std::vector<Pixel, PixelMemory<Pixel>> pixels_;
     std::vector<PixelEstimate> negative_;  // for filters that have negative lobes
 };
 
