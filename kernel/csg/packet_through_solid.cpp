@@ -127,9 +127,7 @@ double greater(double a, double b) { return a > b ? a : b; }
     }
 }
 
-bool is_near_end_of(double in, double out, double anchor) {
-    return is_near_root(lesser(std::fabs(in), std::fabs(out)), anchor);
-}
+bool is_near_end_of(double in, double out, double anchor) { return is_near_root(lesser(std::fabs(in), std::fabs(out)), anchor); }
 
 // Spans along the local lines as spans of the world's t; empty ones end before they begin. Whether any has near ends.
 [[gnu::noinline]] bool count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,

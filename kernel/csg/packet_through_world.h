@@ -23,7 +23,8 @@ public:
     PacketThroughWorld(const World& world, TraceStatistics& statistics);
 
     // What each ray meets first in a World that has nothing transparent. Packets are filled up.
-    // `among`: the solids that the rays may meet; null: all. `quarter`: the part of them that the rays are, where they are divided.
+    // `among`: the solids that the rays may meet; null: all. `quarter`: the part of them that the rays are, where they are
+    // divided.
     void first_boundaries(const RayPacket& rays, const SolidsInReach* among, BoundaryPacket& boundaries,
                           unsigned quarter = SolidInReach::all_rays);
 

@@ -62,7 +62,7 @@ private:
     // What the rays of all places share.
     struct View {
         Vector right, up, forward;
-        double middle_x = 0.5, middle_y = 0.5;      // of the picture, in pixels
+        double middle_x = 0.5, middle_y = 0.5;     // of the picture, in pixels
         double pixel_width = 1, pixel_height = 1;  // perspective: on the screen at distance 1; orthographic: in world units
 
         // From the middle of the picture to one of its places, at distance 1.

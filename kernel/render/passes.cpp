@@ -72,7 +72,8 @@ using ChannelsOfBlock = std::array<float, channels_of_block>;
     return finite == channels_of_block;
 }
 
-// In the order of places_in_block, where pixels stand beside each other by twos. `row` is from one row of the picture to the next.
+// In the order of places_in_block, where pixels stand beside each other by twos. `row` is from one row of the picture to the
+// next.
 void store_channels(const ChannelsOfBlock& channels, float* corner, std::ptrdiff_t row) {
     constexpr std::size_t of_two = 2 * colour_channels;
     for (std::size_t i = 0; i < pixels_of_block; i += 2) {
@@ -449,8 +450,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     }
 
     const bool keys_count = plan_.lights_are_sampled || camera_.has_lens();
-    const std::size_t size =
-        batch.place_in_middles(block, camera_, keys_count ? std::optional(options_.sequence) : std::nullopt);
+    const std::size_t size = batch.place_in_middles(block, camera_, keys_count ? std::optional(options_.sequence) : std::nullopt);
     if (trace(worker, size, wants_layers_)) write_middles(block, worker);
 }
 
@@ -505,7 +505,8 @@ void Passes::ask_for_colours(const PixelRegion& block) {
     constexpr std::ptrdiff_t cache_line = 64 / sizeof(float);
     float* row = frame_.row(Layer::colour, block.x0, block.x1, block.y0).data();
     for (int y = block.y0; y < block.y1; ++y, row += row_of_colours())
-        for (std::ptrdiff_t i = 0; i < block.width() * std::ptrdiff_t{colour_channels}; i += cache_line) __builtin_prefetch(row + i, 1);
+        for (std::ptrdiff_t i = 0; i < block.width() * std::ptrdiff_t{colour_channels}; i += cache_line)
+            __builtin_prefetch(row + i, 1);
 }
 
 std::ptrdiff_t Passes::row_of_colours() const { return std::ptrdiff_t{colour_channels} * frame_.width(); }

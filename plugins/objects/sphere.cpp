@@ -7,7 +7,8 @@
 //
 //     t = -h and t = h,   h = sqrt((r^2 - m.m) / d.d).
 //
-// A line that only touches the ball has no length inside it: a miss. The kernel asks the same question, so the formula lives in kernel/math/roots.h.
+// A line that only touches the ball has no length inside it: a miss. The kernel asks the same question, so the formula lives in
+// kernel/math/roots.h.
 
 #include <lapidary/plugin.h>
 
