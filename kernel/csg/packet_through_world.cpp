@@ -51,7 +51,7 @@ struct MetLanes {
     unsigned met, inside;  // of them those that start inside
 };
 
-// Where t is below its limit: these lanes are done.
+// Those where t is below the limit. They are done.
 [[gnu::noinline]] MetLanes end_met_lanes(const Lanes& __restrict t, Lanes& __restrict limits) {
     std::int64_t met = 0, inside = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) {
@@ -63,6 +63,7 @@ struct MetLanes {
     return {static_cast<unsigned>(met), static_cast<unsigned>(inside)};
 }
 
+// The same lanes, which go on.
 [[gnu::noinline]] unsigned lanes_within(const Lanes& t, const Lanes& limits) {
     std::int64_t bits = 0;
     for (int i = 0; i < PacketThroughWorld::width; ++i) bits |= t[i] < limits[i] ? bit_of(i) : 0;
@@ -200,7 +201,7 @@ void PacketThroughWorld::for_each_solid(const SolidsInReach* among, unsigned qua
         if (in_reach.depth > furthest) return;
         if (tests_boxes && !meets(in_reach.low, in_reach.high, near)) continue;
         visit(in_reach.solid);
-        if (order == Order::near_first) furthest = largest(limits_);
+        furthest = largest(limits_);
     }
 }
 
