@@ -77,6 +77,43 @@ TEST_CASE("A beam meets every box that one of its rays meets, and none deeper th
     CHECK(kept_beside < beside / 10);  // next to nothing, but where places are far off and rounding has to be allowed for
 }
 
+TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray meets, and those aside of it are left out") {
+    std::mt19937 random(12);
+    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    int lost = 0, narrow = 0, in_one_quarter = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Camera view;
+        const double size = std::pow(10, number(-6, 6));
+        view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
+        view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+        view.angle = std::pow(10, number(-9, 0));
+        const CameraRays camera(view, 640, 480);
+        const double x0 = std::floor(number(0, 600)), y0 = std::floor(number(0, 440));  // a block of 8 x 8 pixels
+        const auto beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5);
+        REQUIRE(beam);
+
+        // Through the middle of a pixel of some quarter, one at the edge of it at times.
+        const unsigned quarter = random() % 4;
+        const double x = x0 + (quarter % 2) * 4.0 + random() % 4 + 0.5, y = y0 + (quarter / 2) * 4.0 + random() % 4 + 0.5;
+        const double distance = size * std::pow(10, number(-6, 3));
+        const Point met = view.location + distance * camera.ray(x, y).direction;
+        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+        const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
+        const unsigned quarters = QuartersOfBeam(*beam, anchor, reach_of(box)).that_may_meet(box.low, box.high);
+        lost += (quarters & (1u << quarter)) == 0;
+
+        // Pixels that are wide beside the rounding of floats: what is next to nothing lies in one quarter.
+        if (*view.angle < 1e-2) continue;
+        const RelativeBox speck = box_around(met, 0, view.location);
+        ++narrow;
+        in_one_quarter +=
+            QuartersOfBeam(*beam, view.location, reach_of(speck)).that_may_meet(speck.low, speck.high) == 1u << quarter;
+    }
+    CHECK(lost == 0);
+    CHECK(narrow > 3000);
+    CHECK(in_one_quarter > 0.95 * narrow);
+}
+
 TEST_CASE("There is no beam through a lens, nor of parallel rays") {
     Camera lens;
     lens.aperture = 0.1, lens.points = 0;
