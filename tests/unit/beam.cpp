@@ -35,6 +35,16 @@ double reach_of(const RelativeBox& box) {
     return 2 * reach;
 }
 
+// From a place within `size` of the origin, anywhere; `number(low, high)` is random.
+template <class Number>
+Camera view_from_within(double size, Number number) {
+    Camera view;
+    view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
+    view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+    view.angle = std::pow(10, number(-9, 0));
+    return view;
+}
+
 }  // namespace
 
 TEST_CASE("A beam meets every box that one of its rays meets, and none deeper than the ray, from any place and at any angle") {
@@ -42,11 +52,8 @@ TEST_CASE("A beam meets every box that one of its rays meets, and none deeper th
     const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
     int lost = 0, too_deep = 0, deep = 0, beside = 0, kept_beside = 0;
     for (int i = 0; i < 20000; ++i) {
-        Camera view;
         const double size = std::pow(10, number(-6, 6));
-        view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
-        view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-        view.angle = std::pow(10, number(-9, 0));
+        const Camera view = view_from_within(size, number);
         const CameraRays camera(view, 640, 480);
         const double x0 = number(0, 600), y0 = number(0, 440), width = number(0, 40), height = number(0, 40);
         const auto beam = camera.beam(x0, y0, x0 + width, y0 + height);
@@ -82,11 +89,8 @@ TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray
     const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
     int lost = 0, narrow = 0, in_one_quarter = 0;
     for (int i = 0; i < 20000; ++i) {
-        Camera view;
         const double size = std::pow(10, number(-6, 6));
-        view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
-        view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-        view.angle = std::pow(10, number(-9, 0));
+        const Camera view = view_from_within(size, number);
         const CameraRays camera(view, 640, 480);
         const double x0 = std::floor(number(0, 600)), y0 = std::floor(number(0, 440));  // a block of 8 x 8 pixels
         const auto beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5);
