@@ -41,9 +41,7 @@ public:
     Matter evaluate(const Site& site) const override {
         const Point& p = site.point;
         const int count = visible_octaves(octaves_, std::sqrt(3.0) * amount_, site.footprint);  // of all three together
-        const Vector stir{turbulence(p, octaves_, count), turbulence(p + offset1, octaves_, count),
-                          turbulence(p + offset2, octaves_, count)};
-        Matter m = child_->evaluate({p + amount_ * stir, site.footprint});
+        Matter m = child_->evaluate({stirred(p, count), site.footprint});
         if (!(m.relief == Vector{})) m.relief = pulled_back(m.relief, p);
         return m;
     }
@@ -135,9 +133,11 @@ private:
         Vector direction_;
     };
 
-    Point stirred(const Point& p) const {
-        return p +
-               amount_ * Vector{turbulence(p, octaves_), turbulence(p + offset1, octaves_), turbulence(p + offset2, octaves_)};
+    Point stirred(const Point& p) const { return stirred(p, octaves_); }
+
+    // By so many octaves and the mean of the others.
+    Point stirred(const Point& p, int count) const {
+        return p + amount_ * turbulence({p, p + offset1, p + offset2}, octaves_, count);
     }
 
     // A gradient at q(p), of a relief or of what is 0 on a boundary, as the gradient at p: by the chain rule, the

@@ -24,6 +24,36 @@ Point random_point(std::mt19937_64& generator, double reach) {
 
 }  // namespace
 
+TEST_CASE("noise of many points is that of each") {
+    std::mt19937_64 generator(11);
+    const double reaches[] = {1, 300, 0x1p30, 0x1p32, 0x1p60, infinity};
+    for (int round = 0; round < 4000; ++round) {
+        PointBatch points;
+        for (int i = 0; i < batch_size; ++i) {
+            const double reach = reaches[i == 3 ? round % 6 : round % 3];
+            const Point p = reach < infinity ? random_point(generator, reach) : Point{nan, reach, -reach};
+            points.x[i] = i % 5 == 0 ? std::round(p.x) : p.x, points.y[i] = p.y, points.z[i] = p.z;
+        }
+        for (const int count : {4, 12, batch_size}) {
+            double values[batch_size];
+            noise_batch(points, count, values);
+            for (int i = 0; i < count; ++i) REQUIRE(values[i] == noise(points.point(i)));
+        }
+    }
+}
+
+TEST_CASE("turbulence at three places is that at each") {
+    std::mt19937_64 generator(12);
+    for (int round = 0; round < 4000; ++round) {
+        const std::array places{random_point(generator, 10), random_point(generator, 1e6), random_point(generator, 0x1p30)};
+        const int n = 1 + round % 14, count = round % (n + 1);
+        const Vector sums = turbulence(places, n, count);
+        REQUIRE(sums.x == turbulence(places[0], n, count));
+        REQUIRE(sums.y == turbulence(places[1], n, count));
+        REQUIRE(sums.z == turbulence(places[2], n, count));
+    }
+}
+
 TEST_CASE("noise has its golden values") {
     struct Golden {
         Point point;
