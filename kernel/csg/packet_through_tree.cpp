@@ -128,6 +128,11 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 }  // namespace
 
 void PacketThroughSolid::next_change(const Solid& solid, const Lanes& from, const Lanes& limit, Changes& changes) {
+    if (all_leave(solid, limit)) {  // outside, and nothing comes any more
+        changes.t.v.fill(infinity), changes.leaf.fill(-1), changes.face.fill(-1);
+        changes.inside = changes.doubtful = 0;
+        return;
+    }
     ask_leaves(solid);
     if (solid.leaf_count == 1) {
         next_change_of_leaf(solid.first_leaf, from, limit, changes);
