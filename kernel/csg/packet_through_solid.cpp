@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 
@@ -129,23 +130,32 @@ double greater(double a, double b) { return a > b ? a : b; }
 
 bool is_near_end_of(double in, double out, double anchor) { return is_near_root(lesser(std::fabs(in), std::fabs(out)), anchor); }
 
-// Spans along the local lines as spans of the world's t; empty ones end before they begin. Whether any has near ends.
-[[gnu::noinline]] bool count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor, Lanes& __restrict in,
-                                          Lanes& __restrict out) {
+// Spans along the local lines as spans of the world's t; empty ones end before they begin. The lanes with near ends: bit i for
+// lane i.
+[[gnu::noinline]] unsigned count_from_origins(const SpanBatch& __restrict spans, const Lanes& __restrict anchor,
+                                              Lanes& __restrict in, Lanes& __restrict out) {
     std::int64_t near = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double first = spans.in[i], last = spans.out[i], origin = anchor[i];
         const double begin = first < last ? origin + first : infinity, end = first < last ? origin + last : -infinity;
         in[i] = begin, out[i] = end;
-        near += is_near_end_of(begin, end, origin);
+        near |= is_near_end_of(begin, end, origin) ? bit_of(i) : 0;
     }
-    return near > 0;
+    return static_cast<unsigned>(near);
 }
 
-[[gnu::noinline]] bool has_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
+[[gnu::noinline]] unsigned lanes_with_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
     std::int64_t near = 0;
-    for (int i = 0; i < PacketThroughSolid::width; ++i) near += is_near_end_of(in[i], out[i], anchor[i]);
-    return near > 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) near |= is_near_end_of(in[i], out[i], anchor[i]) ? bit_of(i) : 0;
+    return static_cast<unsigned>(near);
+}
+
+// The lanes with this number.
+[[gnu::noinline]] unsigned lanes_with(const std::array<std::int32_t, PacketThroughSolid::width>& numbers, std::int32_t number) {
+    std::int32_t lanes = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i)
+        lanes |= numbers[static_cast<std::size_t>(i)] == number ? static_cast<std::int32_t>(bit_of(i)) : 0;
+    return static_cast<unsigned>(lanes);
 }
 
 // Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P).
@@ -413,17 +423,18 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
         shared_spans(leaf, in, out, faces);
         return;
     }
-    const bool has_near = own_spans(leaf, in, out);
-    if (departed_leaves_.has(index)) remove_departures(in, out, index, -1);
-    if (has_near)
+    const unsigned near = own_spans(leaf, in, out);
+    if (departed_leaves_.has(index)) remove_departures(lanes_with(rays_->departure.leaf, index), in, out);
+    if (near != 0)
         find_near_ends_of_lanes(
-            leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
+            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
 }
 
 template <class Departs>
-void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
-                                                 Lanes& out) const {
-    for (int i = 0; i < rays_->count; ++i) {
+void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
+                                                 Lanes& in, Lanes& out) const {
+    for (unsigned rest = near & rays_->lanes(); rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
         if (!(in[i] < out[i])) continue;
         Span span{in[i], out[i]};
         const double anchor = placed_.anchor[i];
@@ -434,8 +445,8 @@ void PacketThroughSolid::find_near_ends_of_lanes(const Leaf& leaf, std::span<con
     }
 }
 
-// With placed_ set to the leaf's lines; whether spans have near ends.
-bool PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
+// With placed_ set to the leaf's lines; the lanes with near ends.
+unsigned PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     ask_for(leaf.object);
     placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
     SpanBatch batch;
@@ -478,13 +489,14 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
         return;
     }
     const bool is_tube = !surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder;
-    const bool has_near = is_tube ? tube_spans(frame, surface_class.surface.a, in, out) : own_spans(frame, in, out);
-    if (departed_classes_.has(use.surface_class)) remove_departures(in, out, -1, use.surface_class);
-    if (!surface_class.whole && has_near)
-        find_near_ends_of_lanes(frame, {&surface_class.surface, 1}, departs_from_class, in, out);
+    const unsigned near = is_tube ? tube_spans(frame, surface_class.surface.a, in, out) : own_spans(frame, in, out);
+    if (departed_classes_.has(use.surface_class))
+        remove_departures(lanes_with(rays_->departure.surface_class, use.surface_class), in, out);
+    if (!surface_class.whole && near != 0)
+        find_near_ends_of_lanes(near, frame, {&surface_class.surface, 1}, departs_from_class, in, out);
 }
 
-bool PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
+unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
     SpanBatch batch;
     for (int i = 0; i < width; ++i) {
@@ -500,23 +512,24 @@ void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, c
     const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
     find_plane_ends(placed_, plane, side_of_shift, in, out);
     if (departed_classes_.has(use.surface_class))
-        for (int i = 0; i < width; ++i) {
-            const Departure departure = rays_->departure[i];
-            if (!departs_from_class(departure)) continue;
-            in[i] = departure.inward ? 0 : -infinity;
-            out[i] = departure.inward ? infinity : 0;
+        for (unsigned rest = lanes_with(rays_->departure.surface_class, use.surface_class); rest != 0; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
+            const bool inward = rays_->departure[i].inward;
+            in[i] = inward ? 0 : -infinity;
+            out[i] = inward ? infinity : 0;
         }
-    if (has_near_ends(in, out, placed_.anchor)) find_near_ends_of_lanes(frame, {&plane, 1}, departs_from_class, in, out);
+    const unsigned near = lanes_with_near_ends(in, out, placed_.anchor);
+    if (near != 0) find_near_ends_of_lanes(near, frame, {&plane, 1}, departs_from_class, in, out);
     if (use.flipped) turn_over(in, out);
 }
 
-void PacketThroughSolid::remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const {
-    for (int i = 0; i < rays_->count; ++i) {
-        const Departure departure = rays_->departure[i];
-        const bool departs = surface_class >= 0 ? departure.surface_class == surface_class : departure.leaf == leaf;
-        if (!departs || !(in[i] <= out[i])) continue;
+// Of the lanes that depart from what the spans are of.
+void PacketThroughSolid::remove_departures(unsigned departing, Lanes& in, Lanes& out) const {
+    for (unsigned rest = departing & rays_->lanes(); rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        if (!(in[i] <= out[i])) continue;
         Span span{in[i], out[i]};
-        const bool remains = remove_departure_root(&span, 1, departure.inward) > 0;
+        const bool remains = remove_departure_root(&span, 1, rays_->departure[i].inward) > 0;
         in[i] = remains ? span.in : infinity;
         out[i] = remains ? span.out : -infinity;
     }

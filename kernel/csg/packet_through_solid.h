@@ -113,13 +113,14 @@ private:
     void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr);
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
     void surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out);
-    bool own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
-    bool tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
+    unsigned own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
+    unsigned tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
     void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
     template <class Departs>
-    void find_near_ends_of_lanes(const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in, Lanes& out) const;
-    void remove_departures(Lanes& in, Lanes& out, std::int32_t leaf, std::int32_t surface_class) const;
+    void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
+                                 Lanes& out) const;
+    void remove_departures(unsigned departing, Lanes& in, Lanes& out) const;
 
     const World& world_;
     TraceStatistics& statistics_;
