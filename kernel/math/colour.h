@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lapidary {
 
@@ -32,6 +33,13 @@ inline Colour mix(const Colour& a, const Colour& b, double t) { return (1 - t) *
 inline double largest(const Colour& c) { return std::max(c.r, std::max(c.g, c.b)); }
 inline bool is_black(const Colour& c) { return c.r == 0 && c.g == 0 && c.b == 0; }
 inline bool is_finite(const Colour& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
+
+// What lies beyond the range of floats becomes the last of them.
+inline float to_float(double value) {
+    constexpr double largest_float = std::numeric_limits<float>::max();
+    const double from_below = value < largest_float ? value : largest_float;
+    return static_cast<float>(from_below > -largest_float ? from_below : -largest_float);
+}
 
 // The sRGB transfer curve (IEC 61966-2-1), between a linear value and its encoding, both 0 to 1.
 inline double srgb_encode(double linear) {

@@ -40,12 +40,6 @@ constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
 constexpr double coarsest_tolerance = 0.064, finest_tolerance = 1e-6;  // against the clock
 
-float to_float(double value) {
-    constexpr double largest_float = std::numeric_limits<float>::max();
-    const double from_below = value < largest_float ? value : largest_float;
-    return static_cast<float>(from_below > -largest_float ? from_below : -largest_float);
-}
-
 // How many samples a pixel that will have so many next will still take if its error falls as it should.
 std::uint64_t samples_to_come(const Pixel& pixel, std::uint32_t next, double tolerance, std::uint32_t most) {
     std::uint64_t taken = next;
