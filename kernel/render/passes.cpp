@@ -1,40 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/render/passes.h"
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <ctime>
 #include <limits>
-#include <mutex>
 #include <thread>
 #include <utility>
 
-#include "kernel/render/pixel_field.h"
-#include "kernel/render/sample_batch.h"
+#include "kernel/render/passes_implementation.h"
 
 namespace lapidary {
 
 namespace {
 
-using Seconds = std::chrono::duration<double>;
-
 constexpr std::array<int, 4> preview_blocks{32, 16, 8, 4};
 
 constexpr std::uint32_t first_samples = 4;
+constexpr std::uint32_t first_samples_of_left_over = 16;  // what even the finest grid does not tell is not simple
 // Neighbours reveal edges to two samples as well as to four; only what is smaller than a pixel, and matters to small errors,
 // takes four, and so does a lens, through which everything is spread thin.
 constexpr std::uint32_t first_samples_of_coarse_picture = 2;
 constexpr double least_coarse_error = 0.01;
-// For still larger ones, the middles of the pixels will do: of shading that changes evenly they are exact, and edges stand out. A
-// pattern that repeats with the pixels can hide from them, which would matter to smaller errors.
-constexpr double least_error_from_middles = 0.025;
-constexpr int passes_from_middles = 2;                        // until the last pixel has its first samples
+// For still larger ones, the middles of the pixels and edges between them will do. A pattern that repeats with the pixels can
+// hide from them, which would matter to smaller errors.
+constexpr double least_error_from_middles = 0.02;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
@@ -46,10 +41,6 @@ std::uint64_t samples_to_come(const Pixel& pixel, std::uint32_t next, double tol
     for (double error = pixel.error * error_after_doubling; error > tolerance && taken < most; error *= error_after_doubling)
         taken *= 2;
     return taken - pixel.taken;
-}
-
-void store(std::span<float> channels, double x, double y, double z) {
-    channels[0] = to_float(x), channels[1] = to_float(y), channels[2] = to_float(z);
 }
 
 constexpr std::size_t colour_channels = channels_of(Layer::colour), channels_of_block = colour_channels * pixels_of_block;
@@ -76,132 +67,12 @@ void store_channels(const ChannelsOfBlock& channels, float* corner, std::ptrdiff
     }
 }
 
-// What a thread has for itself.
-struct Worker {
-    explicit Worker(std::unique_ptr<Integrand> i) : integrand(std::move(i)) {}
-
-    std::unique_ptr<Integrand> integrand;
-    std::unique_ptr<SampleBatch> batch = std::make_unique<SampleBatch>();
-    std::vector<Pixel> tile;  // where pixels need no memory beyond their tile
-    RenderReport report;      // of those
-    struct Doubling {
-        PixelPlace place;
-        Colour before;        // the pixel's colour until now
-        float earlier_moves;  // of it
-    };
-    std::vector<Doubling> doublings;  // of a tile's pixels, in this pass
-    std::uint64_t non_finite_samples = 0, spared_samples = 0;
-};
-
-// What the calling thread has used of a processor, in seconds.
-double processor_time() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 bool is_coarse(const SamplingPlan& plan) { return plan.error >= least_coarse_error && !plan.refine_until_time_is_up; }
 
 bool may_begin_with_middles(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
     return is_coarse(plan) && plan.error >= least_error_from_middles && filter.is_pixel() && !camera.has_lens() &&
            !plan.lights_are_sampled;
 }
-
-class Passes {
-public:
-    Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
-           Frame& frame, const RenderOptions& options);
-
-    RenderReport run();
-
-private:
-    void render_all();
-    void preview();
-    void sample_uniformly(int samples);
-    void sample_adaptively();
-    void sample_all_middles();
-    void sample_until_time_is_up();
-
-    // One pass over the tiles of a region: every pixel that does not rest takes samples up to the goal, or else doubles them.
-    void trace_pixels(const PixelRegion& region, std::optional<std::uint32_t> goal);
-    std::uint64_t trace_tile(const PixelRegion& tile, std::optional<std::uint32_t> goal, Worker& worker);
-    void take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Worker& worker);
-    void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
-    void sample_middles(const PixelRegion& tile, Worker& worker);
-    void sample_middles_of_block(const PixelRegion& block, Worker& worker);
-    void write_middles(const PixelRegion& block, Worker& worker);
-    bool shows_colours_only(const PixelRegion& block) const;
-    void write_colours(const PixelRegion& block, Worker& worker);
-    void ask_for_colours(const PixelRegion& block);
-    std::ptrdiff_t row_of_colours() const;
-    void paint(const PixelRegion& part, const Colour& colour);
-    void flush(Worker& worker);
-    void begin_tile(const PixelRegion& tile, Worker& worker) const;
-    static std::optional<Colour> spare(const std::optional<Beam>& beam, bool in_quarters, std::size_t size, Worker& worker);
-    bool trace(Worker& worker, std::size_t size, bool layers) const;
-    void preview_tile(const PixelRegion& tile, int block, Worker& worker);
-
-    // Between passes.
-    // Lets pixels rest that are within the tolerance; false where no other one may take samples. The second look at middles is at
-    // those with samples around, and wakes pixels that rested after the first.
-    enum class Look { at_samples, at_middles, at_middles_again };
-    bool look_at_errors(const PixelRegion& region, double tolerance, Look look = Look::at_samples);
-    bool may_not_rest(const Pixel& pixel, double tolerance) const;
-    bool may_go_on(const Pixel& pixel) const;
-    std::uint32_t goal_of(const Pixel& pixel, std::optional<std::uint32_t> goal) const;
-    void wake_all();
-    double own_error(const Pixel& pixel) const;
-    void estimate_what_was_stopped();
-
-    void write_pixel(PixelPlace place, const Pixel& pixel, const Colour& colour);
-    void write_layers(PixelPlace place, const FirstFace& face);
-    void announce(const PixelRegion& tile);
-    void report_progress();
-    RenderReport report();
-
-    template <typename Body>
-    void for_each_tile(const PixelRegion& region, Body&& body);
-    PixelSet& restless_pixels_of(const PixelRegion& tile) {
-        const std::size_t in_row = (static_cast<std::size_t>(picture_.width()) + tile_size - 1) / tile_size;
-        return restless_[static_cast<std::size_t>(tile.y0 / tile_size) * in_row + static_cast<std::size_t>(tile.x0 / tile_size)];
-    }
-    // For a coarse picture, the middles of the pixels reveal edges. They stand for the pixels where nothing else varies within
-    // one.
-    bool begins_with_middles() const { return plan_.samples == 0 && may_begin_with_middles(plan_, camera_, filter_); }
-    bool finishes_tiles_at_once() const { return plan_.samples == 1 || (plan_.samples > 1 && !filter_.has_negative_lobes()); }
-    bool is_stopped() const;
-    bool is_cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
-    bool is_time_up() const { return options_.time && elapsed() >= *options_.time; }
-    Seconds now() const { return options_.clock ? options_.clock() : std::chrono::steady_clock::now().time_since_epoch(); }
-    Seconds elapsed() const { return now() - begin_; }
-
-    const CameraRays& camera_;
-    const PixelFilter& filter_;
-    const SamplingPlan& plan_;
-    Frame& frame_;
-    const RenderOptions& options_;
-
-    Seconds begin_;
-    std::optional<double> first_view_;
-    std::uint32_t first_samples_ = 0;
-    std::uint32_t most_samples_ = 0;  // where their number is not fixed
-    int most_passes_ = 0;             // after the first
-    PixelRegion picture_;             // all of it
-    PixelRegion region_;              // what is asked for
-    PixelRegion area_;                // with the margin that its estimates need
-    PixelField pixels_;               // of the area
-    std::vector<PixelSet> restless_;  // of each tile of the picture: the pixels whose errors are not within the tolerance
-    bool wants_layers_ = false;
-
-    bool is_previewing_ = false;  // the first coarse picture is being made
-    std::atomic<bool> has_begun_{false};
-    std::atomic<std::uint64_t> taken_samples_{0};
-    std::atomic<double> processor_seconds_{0};
-    std::uint64_t expected_samples_ = 0;  // as far as is known between passes
-
-    tbb::enumerable_thread_specific<Worker> workers_;
-    std::mutex announcing_;
-};
 
 // Enough even for a pixel of black and white noise, in which the error falls no faster than 1/2 n^-1/2.
 std::uint32_t most_samples(const SamplingPlan& plan) {
@@ -212,11 +83,20 @@ std::uint32_t most_samples(const SamplingPlan& plan) {
 
 std::uint32_t first_samples_of(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
     const bool few = is_coarse(plan) && !may_begin_with_middles(plan, camera, filter) && !camera.has_lens();
-    const std::uint32_t samples = filter.has_negative_lobes() ? first_samples_of_signed_filter
-                                  : few                       ? first_samples_of_coarse_picture
-                                                              : first_samples;
+    const std::uint32_t samples = filter.has_negative_lobes()                    ? first_samples_of_signed_filter
+                                  : may_begin_with_middles(plan, camera, filter) ? first_samples_of_left_over
+                                  : few                                          ? first_samples_of_coarse_picture
+                                                                                 : first_samples;
     // Every lens point has its turn.
     return std::max(samples, std::bit_ceil(static_cast<std::uint32_t>(camera.lens_points())));
+}
+
+}  // namespace
+
+double processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter,
@@ -234,13 +114,14 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
         wants_layers_ |= frame.has(layer);
 
     first_samples_ = first_samples_of(plan, camera, filter);
+    begins_with_middles_ = plan.samples == 0 && may_begin_with_middles(plan, camera, filter);
 
     area_ = region_;
     if (plan.samples == 0) {
         most_samples_ = std::max(first_samples_, most_samples(plan));
         most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
-        if (begins_with_middles()) most_passes_ += passes_from_middles;
-        if (!region_.is_empty()) area_ = intersection(grown(region_, most_passes_ + 1), picture_);
+        const int margin = most_passes_ + 1 + (begins_with_middles() ? margin_of_edges : 0);
+        if (!region_.is_empty()) area_ = intersection(grown(region_, margin), picture_);
     }
 }
 
@@ -263,7 +144,10 @@ RenderReport Passes::run() {
 void Passes::render_all() {
     if (options_.preview || options_.time) preview();
     // Of a large picture these are hundreds of megabytes, which a first view need not wait for.
-    if (!finishes_tiles_at_once()) pixels_.resize(area_, filter_.has_negative_lobes());
+    if (begins_with_middles())
+        edges_.resize(area_), greatest_moves_.resize(tiles_of(picture_).size());
+    else if (!finishes_tiles_at_once())
+        pixels_.resize(area_, filter_.has_negative_lobes());
     restless_.resize(tiles_of(picture_).size());
     wake_all();
     if (plan_.samples > 0)
@@ -298,29 +182,18 @@ void Passes::sample_uniformly(int samples) {
 
 void Passes::sample_adaptively() {
     expected_samples_ = guessed_refinement * pixel_count(area_) * (begins_with_middles() ? 1 : first_samples_);
-    if (begins_with_middles())
-        sample_all_middles();
-    else
-        trace_pixels(area_, first_samples_);
-
+    const PixelRegion sampled = intersection(grown(region_, most_passes_ + 1), picture_);
+    if (begins_with_middles()) {
+        follow_edges();
+        if (is_stopped() || !has_left_over(sampled)) return;
+        begin_with_left_over(sampled);
+    }
+    trace_pixels(sampled, first_samples_);
     for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
         const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
-        const Look look = !begins_with_middles() || pass > passes_from_middles ? Look::at_samples
-                          : pass < passes_from_middles                         ? Look::at_middles
-                                                                               : Look::at_middles_again;
-        if (!look_at_errors(taking_part, plan_.error, look)) break;
+        if (!look_at_errors(taking_part, plan_.error)) break;
         trace_pixels(taking_part, std::nullopt);
     }
-}
-
-void Passes::sample_all_middles() {
-    for_each_tile(area_, [&](const PixelRegion& tile) {
-        sample_middles(tile, workers_.local());
-        taken_samples_ += pixel_count(tile);
-        report_progress();
-        const PixelRegion shown = intersection(tile, region_);
-        if (!shown.is_empty()) announce(shown);
-    });
 }
 
 void Passes::sample_until_time_is_up() {
@@ -331,20 +204,6 @@ void Passes::sample_until_time_is_up() {
         wake_all();
         while (!is_stopped() && look_at_errors(region_, tolerance)) trace_pixels(region_, std::nullopt);
     }
-}
-
-template <typename Body>
-void Passes::for_each_tile(const PixelRegion& region, Body&& body) {
-    const std::vector<PixelRegion> tiles = tiles_of(region);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            const double begin = processor_time();
-            if (options_.on_begin && !is_previewing_ && !has_begun_.exchange(true)) options_.on_begin();
-            for (std::size_t i = range.begin(); i != range.end() && !is_stopped(); ++i) body(tiles[i]);
-            processor_seconds_ += processor_time() - begin;
-        },
-        tbb::simple_partitioner());
 }
 
 void Passes::trace_pixels(const PixelRegion& region, std::optional<std::uint32_t> goal) {
@@ -374,9 +233,7 @@ std::uint64_t Passes::trace_tile(const PixelRegion& tile, std::optional<std::uin
         if (to_have <= pixel.taken) return;
         if (samples == 0) begin_tile(tile, worker);
         samples += to_have - pixel.taken;
-        worker.doublings.push_back(
-            {place, pixels_.colour_of(index), pixel.taken > first_samples_ ? to_float(pixel.moves) : no_moves});
-        if (pixel.has_only_middle()) pixel.estimate = {};
+        worker.doublings.push_back({place, pixels_.colour_of(index), pixel.taken > first_samples_ ? pixel.moves : no_moves});
         if (!is_stopped()) take_samples(place, pixel, to_have, worker);
     });
     flush(worker);
@@ -387,7 +244,7 @@ std::uint64_t Passes::trace_tile(const PixelRegion& tile, std::optional<std::uin
         if (pixel.taken == 0) continue;
         const Colour colour = pixels_.colour_of(index);
         pixel.variance = pixel.estimate.variance();
-        pixel.moves = remembered_moves(doubling.earlier_moves, contrast(doubling.before, colour));
+        pixel.moves = to_float(remembered_moves(doubling.earlier_moves, contrast(doubling.before, colour)));
         if (is_in(doubling.place, region_)) write_pixel(doubling.place, pixel, colour);
     }
     return samples;
@@ -462,7 +319,7 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         const bool finite = is_finite(batch.colours[i]);
         const Colour colour = finite ? batch.colours[i] : Colour::black();
         worker.non_finite_samples += !finite;
-        if (!pixels_.is_empty()) pixels_[pixel].keep_middle(batch.colours[i]);
+        if (!edges_.is_empty()) edges_.keep_middle(pixel, to_floats(batch.colours[i]));
         if (is_in(pixel, region_)) {
             store(frame_.pixel(Layer::colour, pixel.x, pixel.y), colour.r, colour.g, colour.b);
             if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, pixel.x, pixel.y)[0] = 1;
@@ -470,12 +327,12 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         }
         ++i;
     }
-    if (pixels_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
+    if (edges_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
 // Whole blocks of the colours of pictures of one sample a pixel, which are most of what is ever written.
 bool Passes::shows_colours_only(const PixelRegion& block) const {
-    return pixels_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
+    return edges_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
            pixel_count(intersection(block, region_)) == pixels_of_block;
 }
 
@@ -638,7 +495,7 @@ bool Passes::may_not_rest(const Pixel& pixel, double tolerance) const {
     return tolerance < least_coarse_error && pixel.taken == first_samples_ && !filter_.has_negative_lobes();
 }
 
-bool Passes::look_at_errors(const PixelRegion& region, double tolerance, Look look) {
+bool Passes::look_at_errors(const PixelRegion& region, double tolerance) {
     std::atomic<std::uint64_t> to_come{0};
     std::atomic<std::size_t> going_on{0}, going_on_in_region{0};
     for_each_tile(region, [&](const PixelRegion& tile) {
@@ -646,12 +503,10 @@ bool Passes::look_at_errors(const PixelRegion& region, double tolerance, Look lo
         std::size_t pixels = 0, pixels_in_region = 0;
         PixelField::BlockErrors errors;
         // The estimates of others look at a pixel's samples, which stay as they are meanwhile, not at its error.
-        const auto estimate = [&](PixelPlace block) {
-            pixels_.estimate_errors(block, first_samples_, look != Look::at_samples, errors);
-        };
+        const auto estimate = [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); };
         const auto rests = [&](PixelPlace place, std::size_t in_block) {
             Pixel& pixel = pixels_[place];
-            if (pixel.error > tolerance || pixel.has_only_middle()) pixel.error = to_float(errors[in_block]);
+            if (pixel.error > tolerance) pixel.error = to_float(errors[in_block]);
             const bool too_early = may_not_rest(pixel, tolerance);
             if (pixel.error <= tolerance && !too_early) return true;
             if (!may_go_on(pixel)) return false;
@@ -662,17 +517,13 @@ bool Passes::look_at_errors(const PixelRegion& region, double tolerance, Look lo
             pixels_in_region += is_in(place, region_);
             return false;
         };
-        if (look == Look::at_middles_again)
-            restless_pixels_of(tile).add_blocks(tile, [&](PixelPlace block) { return pixels_.has_samples_around(block); });
         restless_pixels_of(tile).remove_if(tile, estimate, rests);
         to_come += samples, going_on += pixels, going_on_in_region += pixels_in_region;
     });
     if (is_stopped()) return false;
 
     expected_samples_ = taken_samples_ + to_come;
-    const bool may_wake = look == Look::at_middles && going_on > 0;
-    if (!plan_.refine_until_time_is_up && !may_wake)
-        frame_.count_finished(pixel_count(region_) - going_on_in_region - frame_.finished());
+    if (!plan_.refine_until_time_is_up) frame_.count_finished(pixel_count(region_) - going_on_in_region - frame_.finished());
     return going_on > 0;
 }
 
@@ -713,12 +564,12 @@ void Passes::estimate_what_was_stopped() {
     PixelField::BlockErrors errors;
     for (const PixelRegion& tile : tiles_of(region_))
         restless_pixels_of(tile).remove_if(
-            tile, [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, begins_with_middles(), errors); },
+            tile, [&](PixelPlace block) { pixels_.estimate_errors(block, first_samples_, errors); },
             [&](PixelPlace place, std::size_t in_block) {
                 Pixel& pixel = pixels_[place];
                 if (plan_.samples > 0)
                     pixel.error = static_cast<float>(own_error(pixel));
-                else if ((pixel.taken >= first_samples_ || pixel.has_only_middle()) && std::isinf(pixel.error))
+                else if (pixel.taken >= first_samples_ && std::isinf(pixel.error))
                     pixel.error = static_cast<float>(errors[in_block]);
                 return false;
             });
@@ -741,6 +592,7 @@ RenderReport Passes::report() {
             report.within_error += pixel.error <= plan_.error;
             sampled += pixel.rays() > 0;
         }
+    if (pixels_.is_empty() && !edges_.is_empty()) report_of_edges(report, sampled);
 
     report.complete = !is_cancelled() && sampled == report.pixels;
     if (report.complete) frame_.count_finished(report.pixels - frame_.finished());
@@ -759,8 +611,6 @@ RenderReport Passes::report() {
     report.first_view = first_view_;
     return report;
 }
-
-}  // namespace
 
 SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options) {
     SamplingPlan plan;

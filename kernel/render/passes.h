@@ -11,8 +11,8 @@
 //   k-1, those on theirs after pass k-2 …, never on tiles. A region therefore renders a margin around itself: pixels at
 //   distance d take part in the first K-d of at most K passes, and every pixel of the region ends bit for bit as in the full
 //   picture. Margin pixels that are flat cost the first passes only.
-//   A coarse picture begins with the middles of the pixels, where these depend on nothing else: a pixel that lies between its
-//   neighbours in colour rests at once. After the others' first samples it is looked at again and woken where they show more.
+//   A coarse picture begins with the middles of the pixels and the edges between them (edge_grid.h), where these depend on
+//   nothing else. Only what no grid tells well enough takes samples.
 // - Against the clock: the same with a tolerance that is halved again and again until the time is up.
 //
 // Tiles are walked along a Z-shaped curve, so that consecutive rays lie close together; they are traced in batches that

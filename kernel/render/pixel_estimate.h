@@ -16,12 +16,6 @@
 // 3×3 pixels around is the third witness. By chance a colour moves little now and then; earlier moves are remembered, so that
 // nine pixels that do so at once are rare.
 //
-// A pixel of which the middle alone is known is taken to be off by as much as its colour differs from what lies half way between
-// neighbours on opposite sides: even shading has no error there, edges have. Once neighbours have samples, a fifth of their
-// greatest spread is held against it, too. Measured on recorded samples at equal RMSE (0.014 to 0.0013): 1.06 times (1 000
-// balls), 1.12 (dice), 1.13 (textures) and 1.73 times fewer (trees) than from two samples on, and without the second look fewer
-// for coarse pictures but up to 1.35 times more for fine ones of balls.
-//
 // The error is what the greatest of the three says. Small errors are believed after two looks only: of the pixels that rest
 // after the first samples, some have missed what is small, and have not moved yet.
 //
@@ -85,9 +79,11 @@ inline double error_from_around(double spread, double contrast, double count) {
     return std::numbers::sqrt2 / count * std::max(spread, contrast / 2);
 }
 
-// Of a pixel of which the middle alone is known: how far its colour is from what those on both sides of it suggest, or what
-// surroundings of this spread may hide.
-inline double error_from_middle(double bend, double spread) { return std::max(bend, spread / 5); }
+// Of a pixel that a grid of this fineness tells of (edge_grid.h): what its cells suggest, or how far its colour moved from the
+// last grid to this one.
+inline double error_from_grid(double suggested, double move, int fineness) {
+    return std::max(suggested, move * 4 / (3 * fineness));
+}
 
 // The mean square of how far a pixel's colour moved, doubling by doubling: the last move counts half, all earlier ones together
 // the other half, taken for what they would be now. Of independent samples, the squares halve from one move to the next.

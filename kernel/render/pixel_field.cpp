@@ -30,8 +30,7 @@ struct PixelField::Window {
     Numbers r, g, b;   // not a number where there is nothing
     Numbers variance;  // 0 where there is nothing
     Numbers count, taken, moves;
-    bool has_samples = false;  // more than middles
-    bool has_moved = false;    // some pixel has taken more than the first samples
+    bool has_moved = false;  // some pixel has taken more than the first samples
 };
 
 void PixelField::resize(const PixelRegion& area, bool has_negative_lobes) {
@@ -69,28 +68,15 @@ void PixelField::look_around(PixelPlace block, std::uint32_t first_samples, Wind
             window.count[i][j] = pixel.estimate.count();
             window.taken[i][j] = pixel.taken;
             window.moves[i][j] = pixel.moves;
-            window.has_samples |= pixel.taken > 0;
             window.has_moved |= pixel.taken > first_samples;
         }
 }
 
-bool PixelField::has_samples_around(PixelPlace block) const {
-    const PixelRegion around = intersection(grown({block.x, block.y, block.x + block_size, block.y + block_size}, 1), area_);
-    for (int y = around.y0; y < around.y1; ++y)
-        for (int x = around.x0; x < around.x1; ++x)
-            if (pixels_[index_of({x, y})].taken > 0) return true;
-    return false;
-}
-
-void PixelField::estimate_errors(PixelPlace block, std::uint32_t first_samples, bool by_middles, BlockErrors& errors) const {
+void PixelField::estimate_errors(PixelPlace block, std::uint32_t first_samples, BlockErrors& errors) const {
     Window window;
     look_around(block, first_samples, window);
-    errors.fill(infinity);
-    for (std::size_t row = 0; row < block_size; ++row) {
-        const std::span<double, block_size> errors_of_row = std::span(errors).subspan(row * block_size).first<block_size>();
-        if (window.has_samples) estimate_by_samples(window, row, first_samples, errors_of_row);
-        if (by_middles) estimate_by_middles(window, row, errors_of_row);
-    }
+    for (std::size_t row = 0; row < block_size; ++row)
+        estimate_by_samples(window, row, first_samples, std::span(errors).subspan(row * block_size).first<block_size>());
 }
 
 // A pixel's own spread counts among those around it, too: of two samples or more, its own error by it is greater anyway.
@@ -129,30 +115,6 @@ PixelField::Row PixelField::mean_moves(const Window& window, std::size_t row) {
         mean[i] = moves / movers;
     }
     return mean;
-}
-
-// Where a pixel's middle is all that is known. It may differ from what lies half way between its neighbours on opposite sides; in
-// the place of those that are not there stands the pixel itself.
-void PixelField::estimate_by_middles(const Window& window, std::size_t row, std::span<double, block_size> errors) {
-    const auto bend = [](double here, double before, double behind) {
-        return here - 0.5 * ((std::isnan(before) ? here : before) + (std::isnan(behind) ? here : behind));
-    };
-    for (std::size_t i = 0; i < block_size; ++i) {
-        const double count = window.count[row + 1][i + 1];
-        const Colour colour{window.r[row + 1][i + 1], window.g[row + 1][i + 1], window.b[row + 1][i + 1]};
-        double variance = 0, greatest_bend = 0;  // the greatest squares
-        for_each_around([&](std::size_t y, std::size_t x) {
-            if (3 * y + x >= 4) return;
-            const double r = bend(colour.r, window.r[row + y][i + x], window.r[row + 2 - y][i + 2 - x]);
-            const double g = bend(colour.g, window.g[row + y][i + x], window.g[row + 2 - y][i + 2 - x]);
-            const double b = bend(colour.b, window.b[row + y][i + x], window.b[row + 2 - y][i + 2 - x]);
-            greatest_bend = std::max(greatest_bend, r * r + g * g + b * b);
-        });
-        for_each_around([&](std::size_t y, std::size_t x) { variance = std::max(variance, window.variance[row + y][i + x]); });
-        const double error = error_from_middle(std::sqrt(greatest_bend / 3), std::sqrt(variance)) / brightness_scale(colour);
-        const double of_middle = count > 0 ? error : infinity;
-        errors[i] = window.taken[row + 1][i + 1] > 0 ? errors[i] : of_middle;
-    }
 }
 
 }  // namespace lapidary

@@ -20,17 +20,14 @@ namespace lapidary {
 struct Pixel {
     PixelEstimate estimate;
     double variance = 0;                                   // of its samples, after the last pass
-    double moves = no_moves;                               // of its colour, as remembered_moves() keeps them
+    float moves = no_moves;                                // of its colour, as remembered_moves() keeps them
     float error = std::numeric_limits<float>::infinity();  // as estimated last
-    std::uint32_t taken : 31 = 0;                          // samples traced, also those that were not finite
-    std::uint32_t middles : 1 = 0;                         // 1 where the middle was traced, all there is before the samples
+    std::uint32_t taken = 0;                               // samples traced, also those that were not finite
+    std::uint32_t followed = 0;                            // rays traced before, along edges
 
-    void keep_middle(const Colour& colour) {
-        estimate.add(colour);
-        middles = 1;
-    }
-    std::uint32_t rays() const { return taken + middles; }
-    bool has_only_middle() const { return middles > 0 && taken == 0; }
+    // Where edges tell its colour well enough: that stands for its samples.
+    void begin_with(const Colour& colour) { estimate.add(colour); }
+    std::uint32_t rays() const { return taken + followed; }
 };
 
 static_assert(sizeof(Pixel) == 64);
@@ -58,12 +55,8 @@ public:
         return negative_.empty() ? pixels_[index].estimate.mean() : colour_without_negative(index);
     }
 
-    // Whether some pixel of a block, or beside it, has samples.
-    bool has_samples_around(PixelPlace block) const;
-
     // By the witnesses of pixel_estimate.h. The `first_samples` of a pixel cannot have moved its colour.
-    // Errors of pixels known by their middles are told on demand only.
-    void estimate_errors(PixelPlace block, std::uint32_t first_samples, bool by_middles, BlockErrors& errors) const;
+    void estimate_errors(PixelPlace block, std::uint32_t first_samples, BlockErrors& errors) const;
 
 private:
     struct Window;
@@ -73,7 +66,6 @@ private:
     void look_around(PixelPlace block, std::uint32_t first_samples, Window& window) const;
     static void estimate_by_samples(const Window& window, std::size_t row, std::uint32_t first_samples,
                                     std::span<double, block_size> errors);
-    static void estimate_by_middles(const Window& window, std::size_t row, std::span<double, block_size> errors);
     static Row mean_moves(const Window& window, std::size_t row);
 
     PixelRegion area_;

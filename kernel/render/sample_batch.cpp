@@ -57,6 +57,12 @@ void SampleBatch::repeat_last(std::size_t count) {
         x[i] = x[count - 1], y[i] = y[count - 1], number[i] = number[count - 1], purpose[i] = purpose[count - 1];
 }
 
+void SampleBatch::repeat_last_place(std::size_t count) {
+    const CameraRays::Places& last = places[(count - 1) / batch_size];
+    const double last_x = last.x.v[(count - 1) % batch_size], last_y = last.y.v[(count - 1) % batch_size];
+    for (std::size_t i = count; i % batch_size != 0; ++i) place_at(i, last_x, last_y);
+}
+
 void SampleBatch::set_keys(std::size_t packet, const CameraRays& camera, std::uint32_t sequence) {
     const std::size_t begin = packet * batch_size;
     std::array<std::uint32_t, batch_size> px, py, key;

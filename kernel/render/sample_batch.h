@@ -57,6 +57,13 @@ struct SampleBatch {
     // Sets the places of the first `count` samples.
     void place(std::size_t count, const CameraRays& camera, const PixelFilter& filter, std::uint32_t sequence);
 
+    // The place of a sample that belongs to no pixel.
+    void place_at(std::size_t i, double at_x, double at_y) {
+        places[i / batch_size].x.v[i % batch_size] = at_x, places[i / batch_size].y.v[i % batch_size] = at_y;
+    }
+    // After the last of them: lanes without a ray repeat it.
+    void repeat_last_place(std::size_t count);
+
     // What holds the rays of those places, and the rays.
     std::optional<Beam> beam(std::size_t count, const CameraRays& camera) const;
     std::span<const RayPacket> rays_of(std::size_t count, const CameraRays& camera);

@@ -65,6 +65,14 @@ constexpr std::array<PixelPlace, count> places_along_curve() {
 inline constexpr std::array<PixelPlace, pixels_of_block> places_in_block = places_along_curve<pixels_of_block>();
 inline constexpr std::array<PixelPlace, blocks_of_tile> blocks_in_tile = places_along_curve<blocks_of_tile>();
 
+// Where a place is among those along the curve.
+constexpr std::size_t number_along_curve(int x, int y) {
+    std::size_t number = 0;
+    for (unsigned bit = 0; bit < 4; ++bit)
+        number |= (static_cast<std::size_t>(x >> bit & 1) << 2 * bit) | (static_cast<std::size_t>(y >> bit & 1) << (2 * bit + 1));
+    return number;
+}
+
 // Some of the pixels of a tile: a bit for each of a block's, in a word for each block.
 class PixelSet {
 public:
@@ -73,12 +81,9 @@ public:
         return std::ranges::all_of(blocks_, [](std::uint64_t block) { return block == 0; });
     }
 
-    // Adds all pixels of the blocks of which `is_wanted(first)` says so.
-    template <typename Test>
-    void add_blocks(const PixelRegion& part, Test&& is_wanted) {
-        for (std::size_t i = 0; i < blocks_of_tile; ++i)
-            if (within(part, first_of(i, part)) != 0 && is_wanted(first_of(i, part))) blocks_[i] = ~std::uint64_t{0};
-    }
+    void clear() { blocks_.fill(0); }
+    void add(PixelPlace place) { blocks_[block_of(place)] |= bit_of(place); }
+    bool contains(PixelPlace place) const { return (blocks_[block_of(place)] & bit_of(place)) != 0; }
 
     // Takes the pixels out of the set that lie in a part of the tile and of which `is_of_no_more_interest(place, index)` says so,
     // with the index in the block row by row. Calls `begin(first)` before it comes to the first pixel of a block, with the
@@ -113,6 +118,12 @@ public:
     }
 
 private:
+    static std::size_t block_of(PixelPlace place) {
+        return number_along_curve(place.x % tile_size / block_size, place.y % tile_size / block_size);
+    }
+    static std::uint64_t bit_of(PixelPlace place) {
+        return std::uint64_t{1} << number_along_curve(place.x % block_size, place.y % block_size);
+    }
     static PixelPlace first_of(std::size_t block, const PixelRegion& part) {
         return {part.x0 / tile_size * tile_size + blocks_in_tile[block].x * block_size,
                 part.y0 / tile_size * tile_size + blocks_in_tile[block].y * block_size};

@@ -239,7 +239,7 @@ TEST_CASE("an EXR file tells what a picture cost, pixel by pixel, and how far ea
     const TemporaryFolder folder;
     const fs::path scene = folder.path() / "edge.scene", file = folder.path() / "edge.exr";
     std::ofstream(scene) << "output { resolution(48, 36); exr { aov(samples, error); } } background(0.1, 0.2, 0.3);\n"
-                            "render { error(0.02); } camera { location(0, 0, -4); }\n"
+                            "render { error(0.01); } camera { location(0, 0, -4); }\n"
                             "lights { ambient { } point { location(-3, 4, -4); intensity(30); } } objects { sphere { } }\n";
     const RunResult result = run(fmt::format("cd {} && {} -v -w edge.scene", quoted(folder.path()), quoted(LAPIDARY_PROGRAM)));
     INFO(result.output);
@@ -254,7 +254,7 @@ TEST_CASE("an EXR file tells what a picture cost, pixel by pixel, and how far ea
             REQUIRE(std::has_single_bit(static_cast<unsigned>(taken)));
             REQUIRE(error >= 0);
             samples += static_cast<long>(taken);
-            within += error <= 0.02f;
+            within += error <= 0.01f;
             most_doubled = std::max(most_doubled, static_cast<int>(taken));
         }
     // The corner shows the background; the ball's edge takes more than its middle.
@@ -263,7 +263,7 @@ TEST_CASE("an EXR file tells what a picture cost, pixel by pixel, and how far ea
     CHECK(most_doubled >= 8);
     CHECK(result.output.find(fmt::format("{} samples,", samples)) != std::string::npos);
     CHECK(within == 48 * 36);
-    CHECK(result.output.find("100 % within an error of 0.02") != std::string::npos);
+    CHECK(result.output.find("100 % within an error of 0.01") != std::string::npos);
 }
 
 TEST_CASE("a half EXR keeps whole numbers and lengths in 32 bits") {

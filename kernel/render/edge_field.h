@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+//
+// What is known of the pixels of an area while edges are followed between their middles (edge_grid.h): little, as most of them
+// are done with after one look.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/render/edge_grid.h"
+#include "kernel/render/tile.h"
+#include "kernel/render/zero_memory.h"
+
+namespace lapidary {
+
+class EdgeField {
+public:
+    struct Followed {
+        float error = 0;             // as estimated last; of middles alone, none is known
+        float move = 0;              // of its colour from one grid to the next, the greatest
+        std::uint16_t rays = 0;      // that tell of the pixel
+        std::uint8_t fineness = 0;   // of the grid that it was estimated from last; 0: its middle is all there is
+        bool is_surprising = false;  // what was found within a cell was not what its corners suggest
+    };
+
+    void resize(const PixelRegion& area) {
+        area_ = area;
+        middles_.resize(pixel_count(area)), colours_.resize(pixel_count(area)), followed_.resize(pixel_count(area));
+    }
+    bool is_empty() const { return followed_.empty(); }
+    const PixelRegion& area() const { return area_; }
+
+    std::size_t index_of(PixelPlace place) const {
+        return static_cast<std::size_t>(place.y - area_.y0) * static_cast<std::size_t>(area_.width()) +
+               static_cast<std::size_t>(place.x - area_.x0);
+    }
+    void keep_middle(PixelPlace place, const FloatColour& colour) {
+        const std::size_t index = index_of(place);
+        middles_[index] = colours_[index] = colour;
+        followed_[index].rays = 1;
+    }
+    const FloatColour& middle_of(PixelPlace place) const { return middles_[index_of(place)]; }
+    FloatColour& colour_of(PixelPlace place) { return colours_[index_of(place)]; }
+    const FloatColour& colour_of(PixelPlace place) const { return colours_[index_of(place)]; }
+    Followed& operator[](PixelPlace place) { return followed_[index_of(place)]; }
+    const Followed& operator[](PixelPlace place) const { return followed_[index_of(place)]; }
+    float greatest_move_in(const PixelRegion& part) const {
+        float greatest = 0;
+        for (int y = part.y0; y < part.y1; ++y)
+            for (int x = part.x0; x < part.x1; ++x) greatest = std::max(greatest, (*this)[{x, y}].move);
+        return greatest;
+    }
+
+private:
+    PixelRegion area_;
+    std::vector<FloatColour, PixelMemory<FloatColour>> middles_, colours_;
+    std::vector<Followed, PixelMemory<Followed>> followed_;
+};
+
+}  // namespace lapidary

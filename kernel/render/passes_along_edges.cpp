@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+//
+// A coarse picture from the middles of its pixels and from edges that are followed between them (edge_grid.h), finer and finer
+// where that does not tell enough. What a finer grid finds wakes the pixels beside it, of which a coarser one told all seemed
+// well. What even the finest does not tell takes samples.
+#include <algorithm>
+#include <utility>
+
+#include "kernel/math/vector.h"
+#include "kernel/render/passes_implementation.h"
+
+namespace lapidary {
+
+namespace {
+
+// Changes that are too small to matter are not looked into. Those within a finer cell are of a smaller part of the pixel.
+constexpr double least_part = 0.5;
+// What moved a neighbour's colour when it was looked at more closely may reach into a pixel.
+constexpr double part_of_move_around = 0.5;
+constexpr double part_left_after_surprise = 1.0 / 3;
+constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
+
+}  // namespace
+
+void Passes::follow_edges() {
+    sample_all_middles();
+    const auto taking_part = [&](int passes_done) {
+        return intersection(grown(region_, most_passes_ + margin_of_edges - passes_done), picture_);
+    };
+    for_each_tile(taking_part(0), [&](const PixelRegion& tile) { follow_edges_of_tile(tile, true); });
+    for (int round = 1; round <= rounds_of_waking && !is_stopped(); ++round) {
+        for_each_tile(taking_part(round), [&](const PixelRegion& tile) { wake_beside_moves(tile); });
+        for_each_tile(taking_part(round), [&](const PixelRegion& tile) { follow_edges_of_tile(tile, false); });
+    }
+    if (is_stopped()) return;
+    std::size_t left_over = 0;
+    for (const PixelRegion& tile : tiles_of(region_)) restless_pixels_of(tile).for_each(tile, [&](PixelPlace) { ++left_over; });
+    frame_.count_finished(pixel_count(region_) - left_over - frame_.finished());
+}
+
+void Passes::sample_all_middles() {
+    for_each_tile(area_, [&](const PixelRegion& tile) {
+        sample_middles(tile, workers_.local());
+        taken_samples_ += pixel_count(tile);
+        report_progress();
+        show(tile);
+    });
+}
+
+void Passes::show(const PixelRegion& tile) {
+    const PixelRegion shown = intersection(tile, region_);
+    if (!shown.is_empty()) announce(shown);
+}
+
+// ---- grids -----------------------------------------------------------------------------------------------------------
+
+// All there is to follow at once, as far as no neighbour has anything to say in it.
+void Passes::follow_edges_of_tile(const PixelRegion& tile, bool is_first) {
+    Worker& worker = workers_.local();
+    if (!worker.grid) worker.grid = std::make_unique<EdgeGrid>();
+    PixelSet& restless = restless_pixels_of(tile);
+    if (is_first) follow_between_middles(tile, restless, worker);
+    if (restless.is_empty()) return;
+    for (int fineness = 2; fineness <= EdgeGrid::greatest_fineness && !is_stopped(); fineness *= 2)
+        follow_in_finer_grid(tile, fineness, restless, worker);
+    report_progress();
+    show(tile);
+}
+
+void Passes::follow_between_middles(const PixelRegion& tile, PixelSet& restless, Worker& worker) {
+    EdgeGrid& grid = *worker.grid;
+    grid.begin({tile.x0, tile.y0}, 1, least_part * plan_.error);
+    // Beyond the picture's border everything is as at it.
+    for (int y = tile.y0 - 1; y <= tile.y1; ++y)
+        for (int x = tile.x0 - 1; x <= tile.x1; ++x)
+            grid.know_middle({x, y}, edges_.middle_of({std::clamp(x, 0, picture_.x1 - 1), std::clamp(y, 0, picture_.y1 - 1)}));
+    grid.want_all(tile);
+    if (!trace_grid(tile, worker)) return;
+    restless.clear();
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            if (!grid.has_changes({x, y})) continue;
+            keep_estimate({x, y}, grid.estimate({x, y}), 1);
+            if (!(edges_[{x, y}].error <= plan_.error)) restless.add({x, y});
+        }
+}
+
+void Passes::follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSet& restless, Worker& worker) {
+    EdgeGrid& grid = *worker.grid;
+    grid.begin({tile.x0, tile.y0}, fineness, least_part * plan_.error * fineness);
+    restless.for_each(tile, [&](PixelPlace place) {
+        if (edges_[place].fineness >= fineness) return;
+        grid.know_middle(place, edges_.middle_of(place));
+        grid.want(place);
+        if (fineness == 2) probe(place, grid);
+    });
+    if (!trace_grid(tile, worker)) return;
+    restless.remove_if(
+        tile, [](PixelPlace) {},
+        [&](PixelPlace place, std::size_t) {
+            if (edges_[place].fineness < fineness) keep_estimate(place, grid.estimate(place), fineness);
+            return edges_[place].error <= plan_.error;
+        });
+}
+
+// At a place in each quarter of a pixel, where it takes its first samples.
+void Passes::probe(PixelPlace pixel, EdgeGrid& grid) const {
+    const SamplePairs pairs(sample_key(pixel.x, pixel.y, 0, options_.sequence).pixel, dimension_pair::pixel);
+    for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
+        const auto [u, v] = pairs[quarter];
+        grid.probe({pixel.x + u, pixel.y + v});
+    }
+}
+
+// False where that was stopped.
+bool Passes::trace_grid(const PixelRegion& tile, Worker& worker) {
+    bool has_begun = false;
+    for (std::span places = worker.grid->ask(); !places.empty(); places = worker.grid->ask()) {
+        if (!std::exchange(has_begun, true)) begin_tile(tile, worker);
+        for (std::size_t first = 0; first < places.size(); first += SampleBatch::most)
+            if (!trace_places(places, first, worker)) return false;
+        taken_samples_ += places.size();
+    }
+    return !is_stopped();
+}
+
+// As many of the places as a batch holds.
+bool Passes::trace_places(std::span<const EdgeGrid::Place> places, std::size_t first, Worker& worker) {
+    SampleBatch& batch = *worker.batch;
+    const std::size_t size = std::min(SampleBatch::most, places.size() - first);
+    for (std::size_t i = 0; i < size; ++i) batch.place_at(i, places[first + i].x, places[first + i].y);
+    batch.repeat_last_place(size);
+    if (is_stopped()) return false;
+    if (const std::optional<Colour> known = spare(batch.beam(size, camera_), false, size, worker))
+        batch.fill(size, *known, false);
+    else if (!trace(worker, size, false))
+        return false;
+    for (std::size_t i = 0; i < size; ++i) {
+        worker.non_finite_samples += !is_finite(batch.colours[i]);
+        worker.grid->tell(first + i, batch.colours[i]);
+    }
+    return true;
+}
+
+void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate, int fineness) {
+    EdgeField::Followed& followed = edges_[place];
+    FloatColour& colour = edges_.colour_of(place);
+    const double move = fineness == 1 ? 0 : contrast(to_colour(colour), estimate.colour) / brightness_scale(estimate.colour);
+    followed.move = std::max(followed.move, to_float(move));
+    greatest_moves_[tile_number(place)] = std::max(greatest_moves_[tile_number(place)], followed.move);
+    // A pattern can hide from grids that it fits: once it has shown, none is believed that knows nothing of it.
+    const double left = followed.is_surprising ? part_left_after_surprise * followed.error : 0;
+    followed.error = to_float(std::max(left, error_from_grid(estimate.error, move, fineness)));
+    followed.is_surprising = estimate.is_surprising;
+    followed.rays = static_cast<std::uint16_t>(followed.rays + estimate.rays);
+    followed.fineness = static_cast<std::uint8_t>(fineness);
+    colour = to_floats(estimate.colour);
+    if (is_in(place, region_)) write_followed(place);
+}
+
+void Passes::write_followed(PixelPlace place) {
+    const Colour colour = to_colour(edges_.colour_of(place));
+    const auto [r, g, b] = is_finite(colour) ? colour : Colour::black();
+    store(frame_.pixel(Layer::colour, place.x, place.y), r, g, b);
+    if (frame_.has(Layer::samples)) frame_.pixel(Layer::samples, place.x, place.y)[0] = edges_[place].rays;
+}
+
+// ---- waking ----------------------------------------------------------------------------------------------------------
+
+void Passes::wake_beside_moves(const PixelRegion& tile) {
+    const auto may_reach = [&](float move, int fineness) {
+        return part_of_move_around * move / std::max(1, fineness) > plan_.error;
+    };
+    const PixelRegion around = intersection(grown(tile, 1), edges_.area());
+    if (std::ranges::none_of(tiles_of(around), [&](const PixelRegion& part) { return may_reach(greatest_move_in(part), 1); }))
+        return;
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const int fineness = edges_[{x, y}].fineness;
+            if (fineness == EdgeGrid::greatest_fineness) continue;
+            const PixelRegion beside = intersection({x - 1, y - 1, x + 2, y + 2}, around);
+            if (may_reach(edges_.greatest_move_in(beside), fineness)) restless_pixels_of(tile).add({x, y});
+        }
+}
+
+// ---- what is left over -------------------------------------------------------------------------------------------------
+
+bool Passes::has_left_over(const PixelRegion& region) {
+    return std::ranges::any_of(tiles_of(region), [&](const PixelRegion& tile) { return !restless_pixels_of(tile).is_empty(); });
+}
+
+void Passes::begin_with_left_over(const PixelRegion& region) {
+    pixels_.resize(area_, false);
+    for_each_tile(region, [&](const PixelRegion& tile) {
+        const PixelSet& restless = restless_pixels_of(tile);
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const EdgeField::Followed& followed = edges_[{x, y}];
+                Pixel& pixel = pixels_[PixelPlace{x, y}];
+                pixel.followed = followed.rays, pixel.error = followed.error;
+                if (!restless.contains({x, y})) pixel.begin_with(to_colour(edges_.colour_of({x, y})));
+            }
+    });
+}
+
+void Passes::report_of_edges(RenderReport& report, std::size_t& sampled) {
+    for (const PixelRegion& tile : tiles_of(region_))
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const EdgeField::Followed& followed = edges_[{x, y}];
+                // Nothing is known of pixels that were stopped before their edges were followed.
+                const bool is_unknown = followed.fineness == 0 && restless_pixels_of(tile).contains({x, y});
+                const float error = is_unknown ? static_cast<float>(infinity) : followed.error;
+                if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = error;
+                report.samples += followed.rays;
+                report.within_error += error <= plan_.error;
+                sampled += followed.rays > 0;
+            }
+}
+
+}  // namespace lapidary
