@@ -133,6 +133,7 @@ private:
     const Side* side_of(Node node, Course course) const;
     Cell cell_of(Node top_left) const;
     Tally tally_of(Node first, std::size_t cells) const;
+    double left_out_by(const Tally& tally) const;
 
     enum class Asking { of_nodes, between_nodes, of_sides };
 
