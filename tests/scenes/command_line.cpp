@@ -225,27 +225,6 @@ TEST_CASE("regions put together are the picture") {
     CHECK(joined == whole);
 }
 
-TEST_CASE("an interrupted render writes what is done and says so") {
-    const Desk desk;
-    const RunResult result =
-        desk.lapidary("ball.scene --resolution 640x480 --samples 100000", "timeout --preserve-status -s INT 1");
-    CHECK(result.exit_code == 130);
-    CHECK(contains(result.output, "interrupted: ball.png"));
-    REQUIRE(desk.has("ball.png"));
-    CHECK(desk.files() == 2);
-    auto texts = load_image_library()->decode(desk.file("ball.png")).texts;
-    CHECK(contains(texts["ImageDescription"], "interrupted after "));
-}
-
-TEST_CASE("a second signal ends the program at once, with nothing half written") {
-    const Desk desk;
-    const RunResult result = run(fmt::format(
-        "cd {} && {{ {} ball.scene --resolution 640x480 --samples 100000 & sleep 0.5; kill -TERM $!; kill -HUP $!; wait $!; }}",
-        quoted(desk.folder.path()), quoted(LAPIDARY_PROGRAM)));
-    CHECK(result.exit_code == 130);
-    for (const auto& entry : fs::directory_iterator(desk.folder.path())) CHECK(entry.path().extension() != ".part");
-}
-
 TEST_CASE("the option -d shows the scene and writes nothing") {
     const Desk desk;
     const RunResult result = desk.lapidary("-d ball.scene");

@@ -22,6 +22,7 @@
 #include "lapidary/image_library.h"
 #include "support/catch.h"
 #include "support/environment.h"
+#include "support/run.h"
 #include "support/scenes.h"
 #include "support/temporary_folder.h"
 
@@ -38,11 +39,12 @@ const fs::path scenes = fs::path(LAPIDARY_SOURCE_FOLDER) / "scenes";
 // The program at work on more samples than it will ever take, in a folder of its own.
 class Render {
 public:
-    explicit Render(const fs::path& scene) {
+    explicit Render(const fs::path& scene, const std::vector<std::string>& options = {}) {
         const std::string picture = (folder_.path() / "picture.png").string();
         const std::string said = (folder_.path() / "said").string();
-        std::vector<std::string> words{LAPIDARY_PROGRAM, "-w",      "-v", "--samples", "100000",
-                                       "--resolution",   "320x240", "-o", picture,     scene.string()};
+        std::vector<std::string> words{LAPIDARY_PROGRAM, "-w", "--samples", "100000",      "--resolution",
+                                       "320x240",        "-o", picture,     scene.string()};
+        words.insert(words.end(), options.begin(), options.end());
         std::vector<char*> arguments;
         for (std::string& word : words) arguments.push_back(word.data());
         arguments.push_back(nullptr);
@@ -66,13 +68,13 @@ public:
     // do.
     void wait_until_listening() const {
         const std::string status = "/proc/" + std::to_string(process_) + "/status";
-        for (int i = 0; i < 10'000; ++i) {
+        const bool listens = wait_until([&] {
             std::ifstream stream(status);
             for (std::string line; std::getline(stream, line);)
-                if (line.starts_with("SigCgt:") && std::stoull(line.substr(7), nullptr, 16) >> (SIGTERM - 1) & 1) return;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        FAIL("the program does not listen to signals");
+                if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGTERM - 1) & 1) != 0;
+            return false;
+        });
+        REQUIRE(listens);
     }
     void send(int signal) const { kill(process_, signal); }
     // The exit status; -1 where a signal ended it.
@@ -116,7 +118,7 @@ struct Stop {
 
 // Signals so long after the first pixel is begun.
 Stop stop_after(Milliseconds moment, int signal, const fs::path& scene) {
-    Render render(scene);
+    Render render(scene, {"-v"});
     render.wait_until_listening();
     std::this_thread::sleep_for(moment);
     const auto begin = Clock::now();
@@ -166,6 +168,16 @@ TEST_CASE("a signal ends a render, and what is done is a picture") { stop_at_ran
 
 // What is promised, on a machine that does nothing else.
 TEST_CASE("a signal ends a render within 50 ms at a hundred random moments", "[.long]") { stop_at_random_moments(100, 50); }
+
+TEST_CASE("an interrupted render says so unasked") {
+    Render render(scenes / "dice.scene");
+    render.wait_until_listening();
+    render.send(SIGINT);
+    CHECK(render.wait() == 130);
+    CHECK(render.bytes("said").starts_with("interrupted: "));
+    auto texts = render.picture().texts;
+    CHECK(texts["ImageDescription"].find("interrupted after ") != std::string::npos);
+}
 
 TEST_CASE("a second signal ends the program without a picture, and leaves nothing behind") {
     for (int i = 0; i < 3; ++i) {
