@@ -66,9 +66,6 @@ struct TwoPartLine {
     }
 };
 
-// A root is accepted only where it is the one that was there before, but for rounding.
-constexpr double most_rounding = 0x1p-30;
-
 // NaN where Newton's method finds no root of this surface near t that the line passes as asked. It begins a rounding away from
 // the root: three steps come to rest, where the rounding of the two-part value lets it move no further.
 double root_of(const Surface& surface, const TwoPartLine& line, double t, Passing passing) {

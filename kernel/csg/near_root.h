@@ -34,6 +34,10 @@ enum class Passing { in, out, either };
 LAPIDARY_API double near_root(const Ray& ray, const Transform& placement, std::span<const Surface> surfaces, double t,
                               double anchor, Passing passing);
 
+// How far an end of a span may be from the root that it stands for, in parts of the anchor: far more than its rounding. A root
+// farther off is another one.
+constexpr double most_rounding = 0x1p-30;
+
 // Whether an end of a span is to be found anew. One at 0, of a leaf that the ray departs from, is exact as it is.
 inline bool is_near_end(double t, double anchor, bool departing) { return is_near_root(t, anchor) && !(departing && t == 0); }
 

@@ -346,7 +346,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
         asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);
         NegativeLeaf& asked = asked_[asked_slot_[n]];
         asked.leaf = index;
-        spans(index, asked.in, asked.out);
+        spans(index, asked.in, asked.out, nullptr, &t);
     }
     const NegativeLeaf& asked = asked_[asked_slot_[n]];
     return leave_span(asked.in, asked.out, index, t, moved, leaf) > 0;
@@ -416,7 +416,7 @@ const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
 }
 
 // A leaf's one span in every lane; an empty one ends before it begins.
-void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces) {
+void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Lanes* from) {
     statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
     const Leaf& leaf = world_.leaves[index];
     if (leaf.first_surface >= 0) {
@@ -427,19 +427,24 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
     if (departed_leaves_.has(index)) remove_departures(lanes_with(rays_->departure.leaf, index), in, out);
     if (near != 0)
         find_near_ends_of_lanes(
-            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out);
+            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out,
+            from);
 }
 
 template <class Departs>
 void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
-                                                 Lanes& in, Lanes& out) const {
+                                                 Lanes& in, Lanes& out, const Lanes* from) const {
     for (unsigned rest = near & rays_->lanes(); rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         if (!(in[i] < out[i])) continue;
         Span span{in[i], out[i]};
         const double anchor = placed_.anchor[i];
         const bool departing = departs(rays_->departure[i]);
-        if (!is_near_end(span.in, anchor, departing) && !is_near_end(span.out, anchor, departing)) continue;
+        const auto matters = [&](double end) {
+            const bool is_behind = from && end + most_rounding * std::fabs(anchor) < (*from)[i];
+            return is_near_end(end, anchor, departing) && !is_behind;
+        };
+        if (!matters(span.in) && !matters(span.out)) continue;
         find_near_ends(span, rays_->ray(i), leaf.placement, faces, anchor, departing);
         in[i] = span.in, out[i] = span.out;
     }

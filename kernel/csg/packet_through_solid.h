@@ -109,17 +109,17 @@ private:
     unsigned find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const;
     void find_changing_leaves(const Solid& solid, Changes& changes) const;
 
-    // Empty spans have in > out.
-    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr);
+    // Empty spans have in > out. Where only what lies behind `from` counts, ends before it may be off by their rounding.
+    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr, const Lanes* from = nullptr);
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
     void surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out);
     unsigned own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     unsigned tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
     void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
-    // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
+    // Ends close to the rays' origins, unless they lie before `from`, are found anew, lane by lane, as LineThroughSolid does.
     template <class Departs>
     void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
-                                 Lanes& out) const;
+                                 Lanes& out, const Lanes* from = nullptr) const;
     void remove_departures(unsigned departing, Lanes& in, Lanes& out) const;
 
     const World& world_;
