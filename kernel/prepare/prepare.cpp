@@ -71,7 +71,8 @@ private:
 
 class Preparer {
 public:
-    Preparer(const Scene& scene, World& world, Messages& messages) : scene_(scene), world_(world), messages_(messages) {}
+    Preparer(const Scene& scene, World& world, Messages& messages)
+        : scene_(scene), world_(world), messages_(messages) {}
 
     void run(const PrepareOptions& options) {
         world_.root = scene_.root;
@@ -276,9 +277,9 @@ private:
         leaf.source = &node;
         if (here.name != (world_.names.empty() ? nullptr : world_.names.back().name))
             world_.names.push_back({leaf.number, here.name});
-        draft.box = padded_box(leaf);
-        leaf.box = FloatBox(draft.box, leaf.anchor());
         note_faces(leaf);
+        draft.box = padded_box(world_, leaf);
+        leaf.box = FloatBox(draft.box, leaf.anchor());
         leaf.most_spans = leaf.object->max_spans();
         world_.most_spans = std::max(world_.most_spans, leaf.most_spans);
 

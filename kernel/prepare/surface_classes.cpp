@@ -12,6 +12,7 @@
 #include <span>
 
 #include "kernel/interfaces/object.h"
+#include "kernel/prepare/placed_bounds.h"
 
 namespace lapidary {
 
@@ -370,7 +371,7 @@ private:
 
     bool join(PlacedSurface& surface, const PlacedSurface& representative, std::int32_t surface_class) {
         const Leaf &leaf = world_.leaves[surface.leaf], &other = world_.leaves[representative.leaf];
-        const Bounds box = padded_box(leaf), other_box = padded_box(other);
+        const Bounds box = padded_box(world_, leaf), other_box = padded_box(world_, other);
         const Bounds used = unite(finite_part(box, scene_), finite_part(other_box, scene_));
         const double tolerance = coincidence_tolerance(largest_coordinate(used), length(used.diagonal()));
         const double apart = distance_between(surface, representative, used);
@@ -440,21 +441,40 @@ private:
         return static_cast<std::int32_t>(world_.surface_classes.size()) - 1;
     }
 
+    // Marks the leaves of a class's surfaces of which two touch, by a sweep along x. Where very many stand side by side, all
+    // are taken to.
     void mark_touching(const std::vector<std::int32_t>& list, std::vector<bool>& shares) const {
-        constexpr std::size_t worth_comparing = 32;
         if (list.size() < 2) return;
-        const bool compares = list.size() <= worth_comparing;
-        std::vector<Bounds> boxes;
-        for (std::size_t i = 0; compares && i < list.size(); ++i)
-            boxes.push_back(padded_box(world_.leaves[surfaces_[list[i]].leaf]));
-        const auto leaf_of = [&](std::size_t i) { return surfaces_[list[i]].leaf; };
-        const auto touches_any = [&](std::size_t a) {
-            for (std::size_t b = 0; b < list.size(); ++b)
-                if (leaf_of(b) != leaf_of(a) && boxes[a].overlaps(boxes[b])) return true;
-            return false;
+        struct Reach {
+            Bounds box;
+            std::int32_t leaf;
         };
-        for (std::size_t i = 0; i < list.size(); ++i)
-            if (!compares || touches_any(i)) shares[leaf_of(i)] = true;
+        std::vector<Reach> reaches;
+        for (const std::int32_t surface : list) reaches.push_back({reach_of(surfaces_[surface].leaf), surfaces_[surface].leaf});
+        std::ranges::sort(reaches, {}, [](const Reach& reach) { return reach.box.low.x; });
+        std::size_t left_to_compare = 64 * list.size();
+        for (std::size_t a = 0; a < reaches.size(); ++a)
+            for (std::size_t b = a + 1; b < reaches.size() && reaches[b].box.low.x <= reaches[a].box.high.x; ++b) {
+                if (left_to_compare-- == 0) {
+                    for (const Reach& reach : reaches) shares[reach.leaf] = true;
+                    return;
+                }
+                if (reaches[a].leaf != reaches[b].leaf && reaches[a].box.overlaps(reaches[b].box))
+                    shares[reaches[a].leaf] = shares[reaches[b].leaf] = true;
+            }
+    }
+
+    // Where a leaf bounds anything: in the box of the solid that it is part of. A ball that is taken out of many solids lies on
+    // one surface in all of them, but solids that stand apart never meet there.
+    Bounds reach_of(std::int32_t leaf) const {
+        const Bounds box = padded_box(world_, world_.leaves[leaf]);
+        for (const std::vector<Solid>* solids : {&world_.solids, &world_.clips}) {
+            const auto behind = std::ranges::upper_bound(*solids, leaf, {}, &Solid::first_leaf);
+            if (behind == solids->begin()) continue;
+            const Solid& solid = *std::prev(behind);
+            if (leaf < solid.first_leaf + solid.leaf_count) return intersect(box, world_.box_of(solid.root));
+        }
+        return box;
     }
 
     World& world_;
@@ -478,8 +498,10 @@ double largest_coordinate(const Bounds& box) {
 }
 
 // Lines are placed about the leaf's centre, which may be far from what a line meets of an infinite leaf.
-Bounds padded_box(const Leaf& leaf) {
-    Bounds box = leaf.placement.to_parent(leaf.object->bounds());
+Bounds padded_box(const World& world, const Leaf& leaf) {
+    const bool is_sheet = leaf.object->is_sheet();
+    const Bounds box =
+        placed_bounds(leaf.placement, leaf.object->bounds(), is_sheet ? std::span<const Surface>{} : world.faces_of(leaf));
     const Point centre = leaf.placement.centre().rounded();
     const double coordinate = std::max(largest_coordinate(box), largest_coordinate({centre, centre}));
     const double padding = 2 * coincidence_tolerance(coordinate, box.is_finite() ? length(box.diagonal()) : 0);
@@ -491,7 +513,7 @@ Bounds region_of_interest(const World& world) {
     if (!world.bounds.is_empty()) return world.bounds;
     Bounds of_leaves, of_centres;
     for (const Leaf& leaf : world.leaves) {
-        if (const Bounds box = padded_box(leaf); box.is_finite()) of_leaves = unite(of_leaves, box);
+        if (const Bounds box = padded_box(world, leaf); box.is_finite()) of_leaves = unite(of_leaves, box);
         of_centres = unite(of_centres, leaf.placement.centre().rounded());
     }
     for (const Bounds& region : {of_leaves, of_centres})

@@ -16,7 +16,8 @@ void recognise_coincident_surfaces(World& world, Messages& messages);
 inline double coincidence_tolerance(double coordinate, double extent) { return 64 * 0x1p-53 * (coordinate + extent); }
 
 // The box around a leaf in the world, padded by what rounding and the t of a class's representative may be off.
-Bounds padded_box(const Leaf& leaf);
+// Its faces must be known.
+Bounds padded_box(const World& world, const Leaf& leaf);
 
 // Where a scene's solids are: around the bounded ones; where there are none, around the leaves that are bounded; else around
 // the places of what has no bounds at all.
