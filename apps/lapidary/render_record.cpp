@@ -27,7 +27,8 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 
 std::string world_line(const World& world) {
     return fmt::format(
-        "{} leaves in {} solids, {} left out as nothing is in their reach, {} sheets, {} lights, {} surfaces shared",
+        "{} leaves in {} solids, {} left out as nothing is left of them or in their reach, {} sheets, {} lights, {} surfaces "
+        "shared",
         world.leaves.size(), world.solids.size(), world.leaves_left_out, world.sheets.size(),
         world.lights.size() + world.ambient_lights.size(), world.surface_classes.size());
 }

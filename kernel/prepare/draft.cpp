@@ -35,12 +35,46 @@ std::optional<Bounds> Drafts::prune(Operation operation, std::span<DraftTree>& o
         for (DraftTree operand : operands) box = intersect(box, box_of(operand));
         if (box.is_empty()) return std::nullopt;
     } else if (operation == Operation::subtraction) {
-        const auto is_out_of_reach = [&](DraftTree operand) { return !box_of(operand).overlaps(box); };
+        bool is_swallowed = false;
+        const auto is_out_of_reach = [&](DraftTree operand) {
+            if (!box_of(operand).overlaps(box)) return true;
+            const Containment containment = containment_of(operands[0], operand);
+            is_swallowed |= containment == Containment::inside;
+            return containment == Containment::outside;
+        };
         operands = {operands.begin(), std::remove_if(operands.begin() + 1, operands.end(), is_out_of_reach)};
+        if (is_swallowed) return std::nullopt;
     } else {
         for (DraftTree operand : operands) box = unite(box, box_of(operand));
     }
     return box;
+}
+
+PlacedObject Drafts::placed_object(DraftTree leaf) const {
+    const Leaf& of = leaves[~leaf].leaf;
+    return {*of.object, of.placement, world_.faces_of(of)};
+}
+
+// Where a tree lies for a leaf that is taken out of it. What is left of an intersection or a subtraction lies where its first
+// operand does, and that of an intersection where any of them does: of those only leaves are looked at. As most subtrahends are
+// small bites, one whose box does not hold that of the tree is looked at no further.
+Containment Drafts::containment_of(DraftTree tree, DraftTree subtrahend) const {
+    if (subtrahend >= 0) return Containment::unknown;
+    const Bounds &box = box_of(tree), &around = box_of(subtrahend);
+    if (!around.contains(box.low) || !around.contains(box.high)) return Containment::unknown;
+    constexpr int most_levels = 4, most_operands = 8;
+    for (int i = 0; i < most_levels && tree >= 0 && (*this)[tree].operation == Operation::subtraction; ++i)
+        tree = (*this)[tree].operands[0];
+    const PlacedObject other = placed_object(subtrahend);
+    if (tree < 0) return lapidary::containment_of(placed_object(tree), other);
+    if ((*this)[tree].operation != Operation::intersection) return Containment::unknown;
+    const std::span<const DraftTree> operands = (*this)[tree].operands;
+    for (const DraftTree operand : operands.first(std::min<std::size_t>(most_operands, operands.size()))) {
+        if (operand >= 0) continue;
+        const Containment containment = lapidary::containment_of(placed_object(operand), other);
+        if (containment != Containment::unknown) return containment;
+    }
+    return Containment::unknown;
 }
 
 DraftTree Drafts::combine(Operation operation, std::span<DraftTree> operands, std::optional<double> priority,

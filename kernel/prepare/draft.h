@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/prepare/containment.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -41,6 +42,9 @@ struct DraftLeaf {
 
 class Drafts {
 public:
+    // Of a World that knows the leaves' faces.
+    explicit Drafts(const World& world) : world_(world) {}
+
     // All that are drafted, in the order of writing; in the World they stand solid by solid.
     std::vector<DraftLeaf> leaves;
 
@@ -62,8 +66,9 @@ public:
     }
 
     // An operation on operands, with what is empty or out of reach left out: an operand that is empty, an intersection whose
-    // boxes miss one another, a subtrahend whose box misses what it is taken from. Nested operations of the same kind are joined
-    // where that changes nothing. The operands belong to this operation alone, and the list of them is used up.
+    // boxes miss one another, a subtrahend that misses what it is taken from, and all that a subtrahend swallows whole. Nested
+    // operations of the same kind are joined where that changes nothing. The operands belong to this operation alone, and the
+    // list of them is used up.
     DraftTree combine(Operation operation, std::span<DraftTree> operands, std::optional<double> priority, std::int32_t medium);
 
     // Splits a tree into the list of those whose union it is: unions fall apart, and an intersection with or a subtraction from a
@@ -74,10 +79,13 @@ public:
 private:
     // Leaves those operands that matter, and gives the box of the whole; nothing where that is empty.
     std::optional<Bounds> prune(Operation operation, std::span<DraftTree>& operands) const;
+    Containment containment_of(DraftTree tree, DraftTree subtrahend) const;
+    PlacedObject placed_object(DraftTree leaf) const;
     void add_operands(std::span<const DraftTree> operands, Draft& draft) const;
     bool may_join(DraftTree operand, Operation operation, bool stands_first) const;
     bool distributes(DraftTree tree) const;
 
+    const World& world_;
     std::array<std::byte, 8192> first_memory_;
     std::pmr::monotonic_buffer_resource memory_{first_memory_.data(), first_memory_.size()};  // of the lists of operands
     std::vector<Draft> operations_;

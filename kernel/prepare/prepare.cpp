@@ -72,7 +72,7 @@ private:
 class Preparer {
 public:
     Preparer(const Scene& scene, World& world, Messages& messages)
-        : scene_(scene), world_(world), messages_(messages) {}
+        : scene_(scene), world_(world), messages_(messages), drafts_(world) {}
 
     void run(const PrepareOptions& options) {
         world_.root = scene_.root;

@@ -196,7 +196,7 @@ public:
     Hierarchy hierarchy;                  // over the bounded solids
     std::vector<std::int32_t> unbounded;  // solids outside the hierarchy
     std::int32_t most_leaves = 0;         // of one solid
-    std::size_t leaves_left_out = 0;      // of the scene: out of reach of all that they are combined with
+    std::size_t leaves_left_out = 0;      // of the scene: empty, or out of reach of all that they are combined with
     std::int32_t most_spans = 1;          // of one leaf
     Features features;
     SceneNodePtr root;  // keeps objects and materials alive
