@@ -450,6 +450,7 @@ private:
             std::int32_t leaf;
         };
         std::vector<Reach> reaches;
+        reaches.reserve(list.size());
         for (const std::int32_t surface : list) reaches.push_back({reach_of(surfaces_[surface].leaf), surfaces_[surface].leaf});
         std::ranges::sort(reaches, {}, [](const Reach& reach) { return reach.box.low.x; });
         std::size_t left_to_compare = 64 * list.size();

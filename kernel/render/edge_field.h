@@ -17,11 +17,12 @@ namespace lapidary {
 class EdgeField {
 public:
     struct Followed {
-        float error = 0;             // as estimated last; of middles alone, none is known
-        float move = 0;              // of its colour from one grid to the next, the greatest
-        std::uint16_t rays = 0;      // that tell of the pixel
-        std::uint8_t fineness = 0;   // of the grid that it was estimated from last; 0: its middle is all there is
-        bool is_surprising = false;  // what was found within a cell was not what its corners suggest
+        float error = 0;                 // as estimated last; of middles alone, none is known
+        float move = 0;                  // of its colour from one grid to the next, the greatest
+        std::uint16_t rays = 0;          // that tell of the pixel
+        std::uint8_t fineness = 0;       // of the grid that it was estimated from last; 0: its middle is all there is
+        bool is_surprising : 1 = false;  // what was found within a cell was not what its corners suggest
+        bool is_given_up : 1 = false;    // to be sampled, as no finer grid would do
     };
 
     void resize(const PixelRegion& area) {

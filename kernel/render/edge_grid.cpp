@@ -437,17 +437,21 @@ EdgeGrid::Estimate EdgeGrid::estimate(PixelPlace pixel) const {
     estimate.colour = 1.0 / static_cast<double>(across * across) * sum;
     estimate.rays = fineness_ == 1 ? tally.rays / 4 : tally.rays + static_cast<int>(across * across) - 1;
     estimate.is_surprising = tally.is_surprising;
+    // Where only middles were looked at, a finer grid may find lines in what seems a pattern, unless there is very much of it.
+    estimate.is_tangled = has_pattern(tally) && (fineness_ > 1 || tally.jumps > 2 * most_jumps_of_line());
     const double error = left_out_by(tally) / fineness_ / brightness_scale(estimate.colour);
     estimate.error = is_finite(estimate.colour) ? error : infinity;
     return estimate;
 }
 
+bool EdgeGrid::has_pattern(const Tally& tally) const {
+    return tally.has_more || tally.is_surprising || tally.jumps > most_jumps_of_line();
+}
+
 // In parts of a cell's side.
 double EdgeGrid::left_out_by(const Tally& tally) const {
-    const int most_jumps_of_line = 4 * reach();  // over two sides of each row and column of cells at most
-    const bool has_pattern = tally.has_more || tally.is_surprising || tally.jumps > most_jumps_of_line;
     const LeftOut& left_out = fineness_ == 1 ? left_out_by_one_cell : left_out_by_finer_cells;
-    const double part = has_pattern ? left_out.by_pattern : tally.is_divided ? left_out.by_sides : left_out.by_line;
+    const double part = has_pattern(tally) ? left_out.by_pattern : tally.is_divided ? left_out.by_sides : left_out.by_line;
     return std::max(part * std::sqrt(tally.greatest), left_out_by_bend * std::sqrt(tally.bend));
 }
 

@@ -58,6 +58,7 @@ public:
         double error = 0;
         int rays = 0;
         bool is_surprising = false;  // some probe was
+        bool is_tangled = false;     // so much changes within it that a finer grid is unlikely to tell more
     };
 
     EdgeGrid();
@@ -118,6 +119,7 @@ private:
     static constexpr std::int32_t none = -1;
 
     int reach() const { return fineness_ > 1 ? fineness_ / 2 : 1; }  // from a pixel's middle to the last of its nodes
+    int most_jumps_of_line() const { return 4 * reach(); }           // over two sides of each row and column of a pixel's cells
     Node node_of(PixelPlace pixel) const;
     Place place_of(Node node) const;
     Place place_of(const Side& side) const;
@@ -134,6 +136,7 @@ private:
     Cell cell_of(Node top_left) const;
     Tally tally_of(Node first, std::size_t cells) const;
     double left_out_by(const Tally& tally) const;
+    bool has_pattern(const Tally& tally) const;
 
     enum class Asking { of_nodes, between_nodes, of_sides };
 

@@ -18,6 +18,10 @@ constexpr double least_part = 0.5;
 // What moved a neighbour's colour when it was looked at more closely may reach into a pixel.
 constexpr double part_of_move_around = 0.5;
 constexpr double part_left_after_surprise = 1.0 / 3;
+// A tangled pixel is followed further where the finest grid might leave out no more than this part of the error asked for, as
+// patterns leave out as much of smaller cells. Others take samples at once: glass, textures and crowds of small solids reach an
+// error in a tenth to a fifth less time by that.
+constexpr double least_part_to_give_up = 0.5;
 constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
 
 }  // namespace
@@ -89,7 +93,7 @@ void Passes::follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSe
     EdgeGrid& grid = *worker.grid;
     grid.begin({tile.x0, tile.y0}, fineness, least_part * plan_.error * fineness);
     restless.for_each(tile, [&](PixelPlace place) {
-        if (edges_[place].fineness >= fineness) return;
+        if (edges_[place].fineness >= fineness || edges_[place].is_given_up) return;
         grid.know_middle(place, edges_.middle_of(place));
         grid.want(place);
         if (fineness == 2) probe(place, grid);
@@ -98,7 +102,8 @@ void Passes::follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSe
     restless.remove_if(
         tile, [](PixelPlace) {},
         [&](PixelPlace place, std::size_t) {
-            if (edges_[place].fineness < fineness) keep_estimate(place, grid.estimate(place), fineness);
+            if (edges_[place].fineness < fineness && !edges_[place].is_given_up)
+                keep_estimate(place, grid.estimate(place), fineness);
             return edges_[place].error <= plan_.error;
         });
 }
@@ -154,6 +159,8 @@ void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate,
     followed.is_surprising = estimate.is_surprising;
     followed.rays = static_cast<std::uint16_t>(followed.rays + estimate.rays);
     followed.fineness = static_cast<std::uint8_t>(fineness);
+    const double error_from_finest = followed.error * fineness / EdgeGrid::greatest_fineness;
+    followed.is_given_up = estimate.is_tangled && error_from_finest > least_part_to_give_up * plan_.error;
     colour = to_floats(estimate.colour);
     if (is_in(place, region_)) write_followed(place);
 }

@@ -127,6 +127,17 @@ TEST_CASE("the more a pixel holds, the more is said to be left out") {
     CHECK(error(0.23, 2) == 0.5);
     CHECK(error(20.07, 2) < 0.1);
     CHECK(error(20.07, 4) <= error(20.07, 2));
+
+    // What finer grids would not help with is told, but not by middles alone, which may have missed lines between a few edges.
+    const auto is_tangled = [&](double width, int fineness) {
+        return estimate(grid, stripes(width), {75, 45}, fineness).is_tangled;
+    };
+    CHECK(is_tangled(0.23, 2));
+    CHECK(is_tangled(0.23, 4));
+    CHECK(is_tangled(0.9, 1));
+    CHECK(error(1.2, 1) == 1);
+    CHECK(!is_tangled(1.2, 1));
+    CHECK(!is_tangled(20.07, 2));
 }
 
 TEST_CASE("a probe tells of a pattern that fits the grid") {
