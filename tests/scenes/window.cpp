@@ -242,6 +242,7 @@ TEST_CASE("a window that is taken away was closed: what is done is written") {
     REQUIRE(show.wait_for("status"));
     CHECK(show.text("status") == "130\n");
     const std::string said = show.text("said");
+    CAPTURE(said);
     CHECK(said.starts_with("interrupted: ball.png: "));
     CHECK(std::count(said.begin(), said.end(), '\n') == 1);
     CHECK(load_image_library()->decode(show.folder.path() / "ball.png").width == 200);
