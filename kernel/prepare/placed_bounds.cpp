@@ -1,47 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/prepare/placed_bounds.h"
 
-#include <array>
 #include <cmath>
 
 namespace lapidary {
 
 namespace {
 
-using Row = std::array<double, 3>;
-
-// What lies within `half` on either side of a centre.
-Bounds around(const Point& centre, const Row& half) {
-    const Vector reach{half[0], half[1], half[2]};
-    return {centre - reach, centre + reach};
-}
+// What lies within `reach` on either side of a centre.
+Bounds around(const Point& centre, const Vector& reach) { return {centre - reach, centre + reach}; }
 
 // A local point p stands at sum p_i A_ij, so the points of a unit ball reach as far along axis j of the world as the length of
 // column j, and those of a unit disc across the y axis as far as that column without its middle entry.
-Row reach_of_ball(const Matrix3& a) {
-    Row reach{};
-    for (int j = 0; j < 3; ++j) reach[j] = std::sqrt(a[0][j] * a[0][j] + a[1][j] * a[1][j] + a[2][j] * a[2][j]);
-    return reach;
+Vector reach_of_ball(const Matrix3& a) {
+    const auto along = [&](int j) { return std::sqrt(a[0][j] * a[0][j] + a[1][j] * a[1][j] + a[2][j] * a[2][j]); };
+    return {along(0), along(1), along(2)};
 }
-Row reach_of_disc(const Matrix3& a) {
-    Row reach{};
-    for (int j = 0; j < 3; ++j) reach[j] = std::sqrt(a[0][j] * a[0][j] + a[2][j] * a[2][j]);
-    return reach;
+Vector reach_of_disc(const Matrix3& a) {
+    const auto along = [&](int j) { return std::sqrt(a[0][j] * a[0][j] + a[2][j] * a[2][j]); };
+    return {along(0), along(1), along(2)};
 }
-
-Row times(double factor, const Row& row) { return {factor * row[0], factor * row[1], factor * row[2]}; }
-Row sum(const Row& a, const Row& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 Bounds bounds_of(const Transform& placement, const Surface& surface, double low_y, double high_y) {
     const Matrix3& a = placement.linear();
     const auto disc = [&](double radius, double y) {
-        return around(placement.to_parent(Point{0, y, 0}), times(radius, reach_of_disc(a)));
+        return around(placement.to_parent(Point{0, y, 0}), radius * reach_of_disc(a));
     };
     switch (surface.kind) {
         case Surface::Kind::plane:
             break;
         case Surface::Kind::sphere:
-            return around(placement.to_parent(Point{}), times(surface.a, reach_of_ball(a)));
+            return around(placement.to_parent(Point{}), surface.a * reach_of_ball(a));
         case Surface::Kind::cylinder:
             return unite(disc(surface.a, low_y), disc(surface.a, high_y));
         case Surface::Kind::cone:
@@ -49,8 +38,7 @@ Bounds bounds_of(const Transform& placement, const Surface& surface, double low_
             return unite(disc(std::fabs(surface.a * (surface.b - low_y)), low_y),
                          disc(std::fabs(surface.a * (surface.b - high_y)), high_y));
         case Surface::Kind::torus:
-            return around(placement.to_parent(Point{}),
-                          sum(times(surface.a, reach_of_disc(a)), times(surface.b, reach_of_ball(a))));
+            return around(placement.to_parent(Point{}), surface.a * reach_of_disc(a) + surface.b * reach_of_ball(a));
     }
     return Bounds::everything();
 }
