@@ -144,36 +144,26 @@ bool is_near_end_of(double in, double out, double anchor) { return is_near_root(
     return static_cast<unsigned>(near);
 }
 
-[[gnu::noinline]] unsigned lanes_with_near_ends(const Lanes& in, const Lanes& out, const Lanes& anchor) {
-    std::int64_t near = 0;
-    for (int i = 0; i < PacketThroughSolid::width; ++i) near |= is_near_end_of(in[i], out[i], anchor[i]) ? bit_of(i) : 0;
-    return static_cast<unsigned>(near);
-}
-
-// The lanes with this number.
-[[gnu::noinline]] unsigned lanes_with(const std::array<std::int32_t, PacketThroughSolid::width>& numbers, std::int32_t number) {
-    std::int32_t lanes = 0;
-    for (int i = 0; i < PacketThroughSolid::width; ++i)
-        lanes |= numbers[static_cast<std::size_t>(i)] == number ? static_cast<std::int32_t>(bit_of(i)) : 0;
-    return static_cast<unsigned>(lanes);
-}
-
-// Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P).
-[[gnu::noinline]] void find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane,
-                                       double side_of_shift, Lanes& __restrict in, Lanes& __restrict out) {
+// Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P). The lanes with near ends:
+// bit i for lane i.
+[[gnu::noinline]] unsigned find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane,
+                                           double side_of_shift, Lanes& __restrict in, Lanes& __restrict out) {
     const LineBatch& lines = placed.lines;
     const double a = plane.a, b = plane.b, c = plane.c, d = plane.d;
+    std::int64_t near = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double slope = a * lines.direction_x[i] + b * lines.direction_y[i] + c * lines.direction_z[i];
         const double distance = lines.closest_x[i] * a + lines.closest_y[i] * b + lines.closest_z[i] * c - d;
-        const double t = placed.anchor[i] - distance / slope;
+        const double anchor = placed.anchor[i], t = anchor - distance / slope;
         const double side = distance != 0 ? distance : side_of_shift;
         const double parallel_in = side < 0 ? -infinity : infinity;
         const double crossing_in = slope > 0 ? -infinity : t, crossing_out = slope > 0 ? t : infinity;
         const bool parallel = either(slope == 0, !(std::fabs(t) < infinity));
         in[i] = parallel ? parallel_in : crossing_in;
         out[i] = parallel ? -parallel_in : crossing_out;
+        near |= both(!parallel, is_near_root(t, anchor)) ? bit_of(i) : 0;
     }
+    return static_cast<unsigned>(near);
 }
 
 // Half-lines become those on the other side of a plane, with the same t; everything becomes nothing.
@@ -346,7 +336,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
         asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);
         NegativeLeaf& asked = asked_[asked_slot_[n]];
         asked.leaf = index;
-        spans(index, asked.in, asked.out, nullptr, &t);
+        spans(index, asked.in, asked.out, nullptr, {&t, nullptr});
     }
     const NegativeLeaf& asked = asked_[asked_slot_[n]];
     return leave_span(asked.in, asked.out, index, t, moved, leaf) > 0;
@@ -416,7 +406,7 @@ const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
 }
 
 // A leaf's one span in every lane; an empty one ends before it begins.
-void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Lanes* from) {
+void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Window& asked) {
     statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
     const Leaf& leaf = world_.leaves[index];
     if (leaf.first_surface >= 0) {
@@ -427,13 +417,13 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
     if (departed_leaves_.has(index)) remove_departures(lanes_with(rays_->departure.leaf, index), in, out);
     if (near != 0)
         find_near_ends_of_lanes(
-            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, in, out,
-            from);
+            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, asked, in,
+            out);
 }
 
 template <class Departs>
 void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
-                                                 Lanes& in, Lanes& out, const Lanes* from) const {
+                                                 const Window& asked, Lanes& in, Lanes& out) const {
     for (unsigned rest = near & rays_->lanes(); rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         if (!(in[i] < out[i])) continue;
@@ -441,8 +431,7 @@ void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf
         const double anchor = placed_.anchor[i];
         const bool departing = departs(rays_->departure[i]);
         const auto matters = [&](double end) {
-            const bool is_behind = from && end + most_rounding * std::fabs(anchor) < (*from)[i];
-            return is_near_end(end, anchor, departing) && !is_behind;
+            return is_near_end(end, anchor, departing) && asked.holds(end, most_rounding * std::fabs(anchor), i);
         };
         if (!matters(span.in) && !matters(span.out)) continue;
         find_near_ends(span, rays_->ray(i), leaf.placement, faces, anchor, departing);
@@ -459,14 +448,19 @@ unsigned PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) 
     return count_from_origins(batch, placed_.anchor, in, out);
 }
 
-// What the leaf's surfaces have in common.
+// What the leaf's surfaces have in common: of each next one, ends count where something is left of the others.
 void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces) {
+    if (leaf.surface_count == 1 && !faces) {
+        surface_spans(world_.surface_uses[leaf.first_surface], {}, in, out);
+        mark_empty(in, out);
+        return;
+    }
     for (int i = 0; i < width; ++i) in[i] = -infinity, out[i] = infinity;
     if (faces) faces->in_face.fill(-1), faces->out_face.fill(-1);
     std::int64_t left = 1;
     for (std::int64_t s = 0; s < leaf.surface_count && left > 0; ++s) {
         Lanes surface_in, surface_out;
-        surface_spans(world_.surface_uses[leaf.first_surface + s], surface_in, surface_out);
+        surface_spans(world_.surface_uses[leaf.first_surface + s], {&in, &out}, surface_in, surface_out);
         if (faces) {
             name_later(in, surface_in, s, faces->in_face);
             name_earlier(out, surface_out, s, faces->out_face);
@@ -477,20 +471,24 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, L
 }
 
 void PacketThroughSolid::find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face) {
+    if (leaf.surface_count == 1) {
+        face.fill(0);
+        return;
+    }
     face.fill(-1);
     for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
         Lanes in, out;
-        surface_spans(world_.surface_uses[leaf.first_surface + s], in, out);
+        surface_spans(world_.surface_uses[leaf.first_surface + s], {&t, &t}, in, out);
         name_met(in, out, s, t, face);
     }
 }
 
-void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out) {
+void PacketThroughSolid::surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out) {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const Leaf& frame = world_.leaves[surface_class.leaf];
     const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
     if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
-        plane_spans(use, frame, surface_class.surface, in, out);
+        plane_spans(use, frame, surface_class.surface, asked, in, out);
         return;
     }
     const bool is_tube = !surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder;
@@ -498,7 +496,7 @@ void PacketThroughSolid::surface_spans(const SurfaceUse& use, Lanes& in, Lanes& 
     if (departed_classes_.has(use.surface_class))
         remove_departures(lanes_with(rays_->departure.surface_class, use.surface_class), in, out);
     if (!surface_class.whole && near != 0)
-        find_near_ends_of_lanes(near, frame, {&surface_class.surface, 1}, departs_from_class, in, out);
+        find_near_ends_of_lanes(near, frame, {&surface_class.surface, 1}, departs_from_class, asked, in, out);
 }
 
 unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
@@ -511,20 +509,24 @@ unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes&
     return count_from_origins(batch, placed_.anchor, in, out);
 }
 
-void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out) {
+void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, const Window& asked,
+                                     Lanes& in, Lanes& out) {
     placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
-    const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
     const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
-    find_plane_ends(placed_, plane, side_of_shift, in, out);
-    if (departed_classes_.has(use.surface_class))
-        for (unsigned rest = lanes_with(rays_->departure.surface_class, use.surface_class); rest != 0; rest &= rest - 1) {
+    unsigned near = find_plane_ends(placed_, plane, side_of_shift, in, out);
+    if (departed_classes_.has(use.surface_class)) {
+        const unsigned departing = lanes_with(rays_->departure.surface_class, use.surface_class);
+        for (unsigned rest = departing; rest != 0; rest &= rest - 1) {
             const int i = std::countr_zero(rest);
             const bool inward = rays_->departure[i].inward;
             in[i] = inward ? 0 : -infinity;
             out[i] = inward ? infinity : 0;
         }
-    const unsigned near = lanes_with_near_ends(in, out, placed_.anchor);
-    if (near != 0) find_near_ends_of_lanes(near, frame, {&plane, 1}, departs_from_class, in, out);
+        near &= ~departing;  // 0 is exact
+    }
+    if (near != 0)
+        find_near_ends_of_lanes(
+            near, frame, {&plane, 1}, [](const Departure&) { return false; }, asked, in, out);
     if (use.flipped) turn_over(in, out);
 }
 

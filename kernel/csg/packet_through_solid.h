@@ -66,7 +66,8 @@ public:
     FirstChange next_change_of_single(const Solid& solid, double from, int lane);
     // The lines of the rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf);
-    // Of a leaf that shares faces: the first of its surfaces that the lines meet at t; -1: none, or one that rounding moved.
+    // Of a leaf that shares faces, and that is met at t in the lanes that count: the first of its surfaces there; -1: none, or
+    // one that rounding moved.
     void find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face);
     // Where every lane meets a sheet that shares no plane.
     void cross_sheet(std::int32_t leaf, Lanes& t);
@@ -109,17 +110,27 @@ private:
     unsigned find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const;
     void find_changing_leaves(const Solid& solid, Changes& changes) const;
 
-    // Empty spans have in > out. Where only what lies behind `from` counts, ends before it may be off by their rounding.
-    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr, const Lanes* from = nullptr);
+    // Where ends of spans are asked for; anywhere on a side that is not given. Ends elsewhere may be off by their rounding.
+    struct Window {
+        const Lanes* from;
+        const Lanes* to;
+
+        bool holds(double end, double slack, int lane) const {
+            return !(from && end + slack < (*from)[lane]) && !(to && end - slack > (*to)[lane]);
+        }
+    };
+
+    // Empty spans have in > out.
+    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr, const Window& asked = {});
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
-    void surface_spans(const SurfaceUse& use, Lanes& in, Lanes& out);
+    void surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out);
     unsigned own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     unsigned tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
-    void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, Lanes& in, Lanes& out);
-    // Ends close to the rays' origins, unless they lie before `from`, are found anew, lane by lane, as LineThroughSolid does.
+    void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, const Window& asked, Lanes& in, Lanes& out);
+    // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
     template <class Departs>
-    void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs, Lanes& in,
-                                 Lanes& out, const Lanes* from = nullptr) const;
+    void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
+                                 const Window& asked, Lanes& in, Lanes& out) const;
     void remove_departures(unsigned departing, Lanes& in, Lanes& out) const;
 
     const World& world_;

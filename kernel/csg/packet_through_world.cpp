@@ -271,16 +271,17 @@ void PacketThroughWorld::first_boundaries(const RayPacket& rays, const SolidsInR
 
 // Of leaves that share faces: which surface it is that rays meet.
 void PacketThroughWorld::name_shared_faces(BoundaryPacket& boundaries) {
-    std::array<bool, width> is_done{};
-    for (std::size_t leader = 0; leader < width; ++leader) {
-        const std::int32_t index = boundaries.leaf[leader];
-        if (is_done[leader] || index < 0 || world_.leaves[index].first_surface < 0) continue;
+    unsigned rest = (1u << width) - 1;
+    while (rest != 0) {
+        const std::int32_t index = boundaries.leaf[static_cast<std::size_t>(std::countr_zero(rest))];
+        const unsigned meeting = lanes_with(boundaries.leaf, index);
+        rest &= ~meeting;
+        if (index < 0 || world_.leaves[index].first_surface < 0) continue;
         PacketThroughSolid::LeafLanes faces;
         solid_.find_shared_faces(world_.leaves[index], boundaries.t, faces);
-        for (std::size_t lane = leader; lane < width; ++lane) {
-            if (boundaries.leaf[lane] != index) continue;
-            boundaries.face[lane] = static_cast<std::int32_t>(faces[lane]);
-            is_done[lane] = true;
+        for (int lane = 0; lane < width; ++lane) {
+            std::int32_t& face = boundaries.face[static_cast<std::size_t>(lane)];
+            face = (meeting & bit_of(lane)) != 0 ? static_cast<std::int32_t>(faces[static_cast<std::size_t>(lane)]) : face;
         }
     }
 }

@@ -45,6 +45,14 @@ inline unsigned positive_lanes(const Lanes& lanes) {
     return static_cast<unsigned>(positive);
 }
 
+// The lanes with this number: bit i for lane i.
+inline unsigned lanes_with(const std::array<std::int32_t, batch_size>& numbers, std::int32_t number) {
+    std::int32_t lanes = 0;
+    for (int i = 0; i < batch_size; ++i)
+        lanes |= numbers[static_cast<std::size_t>(i)] == number ? static_cast<std::int32_t>(bit_of(i)) : 0;
+    return static_cast<unsigned>(lanes);
+}
+
 // Whether a number is the same in all lanes.
 inline bool is_same_in_lanes(const std::array<std::int32_t, batch_size>& values) {
     int same = 0;

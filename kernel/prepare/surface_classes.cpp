@@ -268,7 +268,9 @@ public:
         plane_window_ = 4000 * coincidence_tolerance(largest_coordinate(scene_), length(scene_.diagonal()));
         gather();
         classify();
-        assign();
+        const auto classes = list_members();
+        for (const auto& members : classes) elect(members);
+        assign(classes);
     }
 
 private:
@@ -361,7 +363,7 @@ private:
                 representatives.pop_front();
             }
             for (std::int32_t candidate : representatives)
-                if (join(surface, surfaces_[candidate], candidate)) break;
+                if (join(surface, candidate)) break;
             if (surface.surface_class < 0) {
                 surface.surface_class = index;
                 representatives.push_back(index);
@@ -369,19 +371,58 @@ private:
         }
     }
 
-    bool join(PlacedSurface& surface, const PlacedSurface& representative, std::int32_t surface_class) {
-        const Leaf &leaf = world_.leaves[surface.leaf], &other = world_.leaves[representative.leaf];
-        const Bounds box = padded_box(world_, leaf), other_box = padded_box(world_, other);
+    struct Distance {
+        double apart, tolerance;
+        bool is_none() const { return apart <= tolerance; }
+    };
+    Distance distance_of(const PlacedSurface& surface, const PlacedSurface& other) const {
+        const Bounds box = padded_box(world_, world_.leaves[surface.leaf]),
+                     other_box = padded_box(world_, world_.leaves[other.leaf]);
         const Bounds used = unite(finite_part(box, scene_), finite_part(other_box, scene_));
-        const double tolerance = coincidence_tolerance(largest_coordinate(used), length(used.diagonal()));
-        const double apart = distance_between(surface, representative, used);
-        if (!(apart <= tolerance)) {
-            if (apart <= 1000 * tolerance && widened(box, apart).overlaps(other_box)) report_near(leaf, other, apart);
-            return false;
+        return {distance_between(surface, other, used), coincidence_tolerance(largest_coordinate(used), length(used.diagonal()))};
+    }
+
+    bool join(PlacedSurface& surface, std::int32_t representative) {
+        const PlacedSurface& other = surfaces_[representative];
+        const Distance distance = distance_of(surface, other);
+        if (distance.is_none()) {
+            be_represented(surface, representative);
+            return true;
         }
-        surface.surface_class = surface_class;
-        surface.flipped = surface.kind == PlacedSurface::Kind::plane && dot(surface.normal, representative.normal) < 0;
-        return true;
+        const Leaf &leaf = world_.leaves[surface.leaf], &other_leaf = world_.leaves[other.leaf];
+        if (distance.apart <= 1000 * distance.tolerance &&
+            widened(padded_box(world_, leaf), distance.apart).overlaps(padded_box(world_, other_leaf)))
+            report_near(leaf, other_leaf, distance.apart);
+        return false;
+    }
+
+    void be_represented(PlacedSurface& surface, std::int32_t by) const {
+        surface.surface_class = by;
+        surface.flipped = surface.kind == PlacedSurface::Kind::plane && dot(surface.normal, surfaces_[by].normal) < 0;
+    }
+
+    // Lines are brought into the space of a leaf that is neither turned nor scaled with less work and less rounding: such a one
+    // represents a class where all members are as near to it as they have to be to the first.
+    void elect(const std::vector<std::int32_t>& members) {
+        const auto is_straight = [this](std::int32_t surface) {
+            return world_.leaves[surfaces_[surface].leaf].placement.has_identity_linear();
+        };
+        if (members.empty() || is_straight(surfaces_[members.front()].surface_class)) return;
+        const auto candidate = std::ranges::find_if(members, is_straight);
+        if (candidate == members.end()) return;
+        const auto is_near = [&](std::int32_t surface) {
+            return surface == *candidate || distance_of(surfaces_[surface], surfaces_[*candidate]).is_none();
+        };
+        if (!std::ranges::all_of(members, is_near)) return;
+        for (const std::int32_t surface : members) be_represented(surfaces_[surface], *candidate);
+    }
+
+    // By the surface that represents a class.
+    std::vector<std::vector<std::int32_t>> list_members() const {
+        std::vector<std::vector<std::int32_t>> members(surfaces_.size());
+        for (std::size_t i = 0; i < surfaces_.size(); ++i)
+            members[surfaces_[i].surface_class].push_back(static_cast<std::int32_t>(i));
+        return members;
     }
 
     void report_near(const Leaf& leaf, const Leaf& other, double apart) {
@@ -395,8 +436,9 @@ private:
     }
 
     // Leaves that share a face with another one that they touch get all their faces as classes; others none.
-    void assign() {
-        const std::vector<bool> shares = find_leaves_that_share();
+    void assign(const std::vector<std::vector<std::int32_t>>& classes) {
+        std::vector<bool> shares(world_.leaves.size(), false);
+        for (const auto& members : classes) mark_touching(members, shares);
         std::vector<std::int32_t> class_of(surfaces_.size(), -1);
         std::size_t next = 0;  // of the surfaces, which stand in the order of the leaves and their faces
         for (std::size_t i = 0; i < world_.leaves.size(); ++i) {
@@ -414,15 +456,6 @@ private:
                                                              : SurfaceUse{add_class(index, face), false});
             }
         }
-    }
-
-    std::vector<bool> find_leaves_that_share() const {
-        std::vector<bool> shares(world_.leaves.size(), false);
-        std::vector<std::vector<std::int32_t>> members(surfaces_.size());
-        for (std::size_t i = 0; i < surfaces_.size(); ++i)
-            members[surfaces_[i].surface_class].push_back(static_cast<std::int32_t>(i));
-        for (const auto& list : members) mark_touching(list, shares);
-        return shares;
     }
 
     SurfaceUse use_of(const PlacedSurface& surface, std::vector<std::int32_t>& class_of) {

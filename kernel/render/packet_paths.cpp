@@ -125,10 +125,8 @@ std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<Fi
     faces.count = width;
     for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
     note_rays(wave, index, rays, boundaries.t, faces);
-    if (leaf.first_surface < 0)
-        place_own_faces(leaf, rays, boundaries.t, packet_.placed_lines(index), faces);
-    else
-        place_shared_faces(leaf, boundaries.face[0], rays, boundaries.t, faces);
+    const std::int32_t face = boundaries.face[0];
+    place_faces(index, face, rays, boundaries.t, packet_.placed_lines(frame_of(index, face)), faces);
     show_leaf(leaf, boundaries.solid[0], faces, first);
     return 0;
 }
@@ -166,7 +164,7 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];
     note_rays(wave, index, rays, t, faces);
-    place_faces(leaf, face, rays, t, faces);
+    place_faces(index, face, rays, t, faces);
     show_leaf(leaf, wave.solid(leader), faces, first);
 }
 
@@ -233,15 +231,27 @@ namespace {
 
 }  // namespace
 
+// The leaf in whose space a face is met: of one that leaves share, the representative of its class.
+std::int32_t PacketPaths::frame_of(std::int32_t leaf, std::int32_t face) const {
+    const std::int32_t first_surface = world_.leaves[leaf].first_surface;
+    return first_surface < 0 ? leaf : world_.surface_classes[world_.surface_uses[first_surface + face].surface_class].leaf;
+}
+
 // LineThroughSolid::face_at for all lanes. `face`: which of the surfaces, of a leaf that shares them.
-void PacketPaths::place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
-    if (leaf.first_surface >= 0) {
-        place_shared_faces(leaf, face, rays, t, faces);
-        return;
-    }
+void PacketPaths::place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
     PlacedLines placed;
-    place_lines(leaf.placement, rays, placed);
-    place_own_faces(leaf, rays, t, placed, faces);
+    place_lines(world_.leaves[frame_of(leaf, face)].placement, rays, placed);
+    place_faces(leaf, face, rays, t, placed, faces);
+}
+
+// `placed` are the rays in the space of the face's frame.
+void PacketPaths::place_faces(std::int32_t index, std::int32_t face, const RayPacket& rays, const Lanes& t,
+                              const PlacedLines& placed, FacePacket& faces) {
+    const Leaf& leaf = world_.leaves[index];
+    if (leaf.first_surface < 0)
+        place_own_faces(leaf, rays, t, placed, faces);
+    else
+        place_shared_faces(leaf, face, rays, t, placed, faces);
 }
 
 void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
@@ -268,12 +278,10 @@ void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const
 
 // Of a face that a leaf shares: in the frame of its class's representative.
 void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t,
-                                     FacePacket& faces) {
+                                     const PlacedLines& placed, FacePacket& faces) {
     const SurfaceUse& use = world_.surface_uses[leaf.first_surface + face];
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const Leaf& frame = world_.leaves[surface_class.leaf];
-    PlacedLines placed;
-    place_lines(frame.placement, rays, placed);
     NearPoints near;
     if (!surface_class.whole) near.find(rays, t, placed.anchor);
     Lanes local_t;

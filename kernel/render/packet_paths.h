@@ -186,9 +186,13 @@ private:
     void meet_single_face(Wave& wave, int ray, std::span<FirstFace> first);
     void add_single_face(Wave& wave, int ray, const Encounter& encounter);
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
-    void place_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    std::int32_t frame_of(std::int32_t leaf, std::int32_t face) const;
+    void place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    void place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                     FacePacket& faces);
     void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed, FacePacket& faces);
-    void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
+    void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                            FacePacket& faces);
     static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
     void turn_normals(const Transform& placement, const NormalBatch& normals, FacePacket& faces);
     static void round_points(FacePacket& faces);

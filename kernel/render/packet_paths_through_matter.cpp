@@ -294,7 +294,7 @@ void PacketPaths::show_faces_at_changes(const Wave& wave, const RayPacket& rays,
     const std::int32_t shown = wave.meeting(leader).shown[lane];
     const Leaf& leaf = world_.leaves[leading.leaf[lane]];
     note_rays_at_changes(wave, leading.leaf[lane], rays, t, faces);
-    place_faces(leaf, leading.face[lane], rays, t, faces);
+    place_faces(leading.leaf[lane], leading.face[lane], rays, t, faces);
     give_matter(world_.materials[shown], faces);
     find_indices(shown, wave, faces);
     describe(leaf, world_.materials[shown], faces, first);
