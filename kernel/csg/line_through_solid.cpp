@@ -139,7 +139,7 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const bool departing = ray_.departure.surface_class == use.surface_class;
     int count = 0;
-    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
+    if (surface_class.is(Surface::Kind::plane)) {
         PlaneSpan& plane = planes_[static_cast<std::size_t>(use.surface_class) % plane_count];
         if (plane.ray != ray_number_ || plane.surface_class != use.surface_class) {
             plane.ray = ray_number_;
@@ -152,10 +152,10 @@ int LineThroughSolid::surface_spans(const SurfaceUse& use, Span* out) {
         const Leaf& leaf = world_.leaves[surface_class.leaf];
         const PlacedLine& placed = placed_line(surface_class.leaf);
         const Surface& surface = surface_class.surface;
-        if (!surface_class.whole && surface.kind == Surface::Kind::cylinder) {
+        if (surface_class.is(Surface::Kind::cylinder)) {
             out[0] = tube_span(placed.line, surface.a);
             count = out[0].is_empty() ? 0 : 1;
-        } else if (!surface_class.whole && surface.kind == Surface::Kind::cone) {
+        } else if (surface_class.is(Surface::Kind::cone)) {
             count = double_cone_spans(placed.line, surface.a, surface.b, out);
         } else {
             count = leaf.object->spans(placed.line, out);  // the surface bounds all of the solid
@@ -178,7 +178,7 @@ int LineThroughSolid::plane_spans(const SurfaceClass& surface_class, bool depart
     const double distance = dot(placed.line.closest, normal) - surface_class.surface.d;
     const double t = placed.anchor - distance / slope;
     if (slope == 0 || !std::isfinite(t)) {
-        const bool inside = distance != 0 ? distance < 0 : dot(leaf.placement.to_parent(Normal(normal)), generic_shift) < 0;
+        const bool inside = (distance != 0 ? distance : surface_class.shifted_by) < 0;
         out[0] = Span::all();
         return inside ? 1 : 0;
     }

@@ -37,10 +37,6 @@
 
 namespace lapidary {
 
-// Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same for
-// all planes, so that complements and coincident faces agree and the reversed ray sees the same.
-inline constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
-
 // A face met at a known position.
 struct FaceHit {
     std::int32_t leaf = -1;

@@ -144,10 +144,10 @@ bool is_near_end_of(double in, double out, double anchor) { return is_near_root(
     return static_cast<unsigned>(near);
 }
 
-// Where lines run below a plane; those that lie in it do as the sign of `side_of_shift` says (rule P). The lanes with near ends:
+// Where lines run below a plane; those that lie in it do if they are shifted there (rule P). The lanes with near ends:
 // bit i for lane i.
 [[gnu::noinline]] unsigned find_plane_ends(const PlacedLines& __restrict placed, const Surface& __restrict plane,
-                                           double side_of_shift, Lanes& __restrict in, Lanes& __restrict out) {
+                                           double shifted_by, Lanes& __restrict in, Lanes& __restrict out) {
     const LineBatch& lines = placed.lines;
     const double a = plane.a, b = plane.b, c = plane.c, d = plane.d;
     std::int64_t near = 0;
@@ -155,7 +155,7 @@ bool is_near_end_of(double in, double out, double anchor) { return is_near_root(
         const double slope = a * lines.direction_x[i] + b * lines.direction_y[i] + c * lines.direction_z[i];
         const double distance = lines.closest_x[i] * a + lines.closest_y[i] * b + lines.closest_z[i] * c - d;
         const double anchor = placed.anchor[i], t = anchor - distance / slope;
-        const double side = distance != 0 ? distance : side_of_shift;
+        const double side = distance != 0 ? distance : shifted_by;
         const double parallel_in = side < 0 ? -infinity : infinity;
         const double crossing_in = slope > 0 ? -infinity : t, crossing_out = slope > 0 ? t : infinity;
         const bool parallel = either(slope == 0, !(std::fabs(t) < infinity));
@@ -414,27 +414,24 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
         return;
     }
     const unsigned near = own_spans(leaf, in, out);
-    if (departed_leaves_.has(index)) remove_departures(lanes_with(rays_->departure.leaf, index), in, out);
-    if (near != 0)
-        find_near_ends_of_lanes(
-            near, leaf, world_.faces_of(leaf), [index](const Departure& departure) { return departure.leaf == index; }, asked, in,
-            out);
+    const unsigned departing = departed_leaves_.has(index) ? lanes_with(rays_->departure.leaf, index) : 0;
+    if (departing != 0) remove_departures(departing, in, out);
+    if (near != 0) find_near_ends_of_lanes(near, leaf, world_.faces_of(leaf), departing, asked, in, out);
 }
 
-template <class Departs>
-void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
-                                                 const Window& asked, Lanes& in, Lanes& out) const {
+void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces,
+                                                 unsigned departing, const Window& asked, Lanes& in, Lanes& out) const {
     for (unsigned rest = near & rays_->lanes(); rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         if (!(in[i] < out[i])) continue;
         Span span{in[i], out[i]};
         const double anchor = placed_.anchor[i];
-        const bool departing = departs(rays_->departure[i]);
+        const bool departs = (departing >> i & 1) != 0;
         const auto matters = [&](double end) {
-            return is_near_end(end, anchor, departing) && asked.holds(end, most_rounding * std::fabs(anchor), i);
+            return is_near_end(end, anchor, departs) && asked.holds(end, most_rounding * std::fabs(anchor), i);
         };
         if (!matters(span.in) && !matters(span.out)) continue;
-        find_near_ends(span, rays_->ray(i), leaf.placement, faces, anchor, departing);
+        find_near_ends(span, rays_->ray(i), leaf.placement, faces, anchor, departs);
         in[i] = span.in, out[i] = span.out;
     }
 }
@@ -486,17 +483,16 @@ void PacketThroughSolid::find_shared_faces(const Leaf& leaf, const Lanes& t, Lea
 void PacketThroughSolid::surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out) {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const Leaf& frame = world_.leaves[surface_class.leaf];
-    const auto departs_from_class = [&use](const Departure& departure) { return departure.surface_class == use.surface_class; };
-    if (!surface_class.whole && surface_class.surface.kind == Surface::Kind::plane) {
-        plane_spans(use, frame, surface_class.surface, asked, in, out);
+    if (surface_class.is(Surface::Kind::plane)) {
+        plane_spans(use, surface_class, asked, in, out);
         return;
     }
-    const bool is_tube = !surface_class.whole && surface_class.surface.kind == Surface::Kind::cylinder;
+    const bool is_tube = surface_class.is(Surface::Kind::cylinder);
     const unsigned near = is_tube ? tube_spans(frame, surface_class.surface.a, in, out) : own_spans(frame, in, out);
-    if (departed_classes_.has(use.surface_class))
-        remove_departures(lanes_with(rays_->departure.surface_class, use.surface_class), in, out);
+    const unsigned departing = lanes_departing_from(use.surface_class);
+    if (departing != 0) remove_departures(departing, in, out);
     if (!surface_class.whole && near != 0)
-        find_near_ends_of_lanes(near, frame, {&surface_class.surface, 1}, departs_from_class, asked, in, out);
+        find_near_ends_of_lanes(near, frame, {&surface_class.surface, 1}, departing, asked, in, out);
 }
 
 unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out) {
@@ -509,25 +505,26 @@ unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes&
     return count_from_origins(batch, placed_.anchor, in, out);
 }
 
-void PacketThroughSolid::plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, const Window& asked,
-                                     Lanes& in, Lanes& out) {
-    placed_lines(static_cast<std::int32_t>(&frame - world_.leaves.data()));
-    const double side_of_shift = dot(frame.placement.to_parent(Normal(plane.a, plane.b, plane.c)), generic_shift);
-    unsigned near = find_plane_ends(placed_, plane, side_of_shift, in, out);
-    if (departed_classes_.has(use.surface_class)) {
-        const unsigned departing = lanes_with(rays_->departure.surface_class, use.surface_class);
-        for (unsigned rest = departing; rest != 0; rest &= rest - 1) {
-            const int i = std::countr_zero(rest);
-            const bool inward = rays_->departure[i].inward;
-            in[i] = inward ? 0 : -infinity;
-            out[i] = inward ? infinity : 0;
-        }
-        near &= ~departing;  // 0 is exact
+void PacketThroughSolid::plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Window& asked, Lanes& in,
+                                     Lanes& out) {
+    placed_lines(surface_class.leaf);
+    const unsigned near = find_plane_ends(placed_, surface_class.surface, surface_class.shifted_by, in, out);
+    const unsigned departing = lanes_departing_from(use.surface_class);
+    for (unsigned rest = departing; rest != 0; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        const bool inward = rays_->departure[i].inward;
+        in[i] = inward ? 0 : -infinity;
+        out[i] = inward ? infinity : 0;
     }
-    if (near != 0)
-        find_near_ends_of_lanes(
-            near, frame, {&plane, 1}, [](const Departure&) { return false; }, asked, in, out);
+    if ((near & ~departing) != 0) {
+        const Leaf& frame = world_.leaves[surface_class.leaf];
+        find_near_ends_of_lanes(near & ~departing, frame, {&surface_class.surface, 1}, departing, asked, in, out);
+    }
     if (use.flipped) turn_over(in, out);
+}
+
+unsigned PacketThroughSolid::lanes_departing_from(std::int32_t surface_class) const {
+    return departed_classes_.has(surface_class) ? lanes_with(rays_->departure.surface_class, surface_class) : 0;
 }
 
 // Of the lanes that depart from what the spans are of.

@@ -126,11 +126,11 @@ private:
     void surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out);
     unsigned own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     unsigned tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
-    void plane_spans(const SurfaceUse& use, const Leaf& frame, const Surface& plane, const Window& asked, Lanes& in, Lanes& out);
+    void plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Window& asked, Lanes& in, Lanes& out);
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
-    template <class Departs>
-    void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, Departs departs,
+    void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, unsigned departing,
                                  const Window& asked, Lanes& in, Lanes& out) const;
+    unsigned lanes_departing_from(std::int32_t surface_class) const;
     void remove_departures(unsigned departing, Lanes& in, Lanes& out) const;
 
     const World& world_;

@@ -469,7 +469,11 @@ private:
     std::int32_t add_class(std::int32_t leaf, std::int32_t face) {
         const std::span<const Surface> surfaces = world_.faces_of(world_.leaves[leaf]);
         SurfaceClass surface_class{leaf, {}, surfaces.empty()};
-        if (!surfaces.empty()) surface_class.surface = surfaces[face];
+        if (!surfaces.empty()) {
+            const Surface& surface = surface_class.surface = surfaces[face];
+            const Normal normal = world_.leaves[leaf].placement.to_parent(Normal(surface.a, surface.b, surface.c));
+            if (surface.kind == Surface::Kind::plane) surface_class.shifted_by = dot(normal, generic_shift);
+        }
         world_.surface_classes.push_back(surface_class);
         return static_cast<std::int32_t>(world_.surface_classes.size()) - 1;
     }

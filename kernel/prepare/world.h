@@ -65,11 +65,18 @@ struct SurfaceUse {
     bool flipped = false;  // the leaf lies outside of the representative's inside
 };
 
+// Rule P: a ray that lies in a plane is thought to be shifted by an infinitesimal step along this fixed vector, the same for
+// all planes, so that complements and coincident faces agree and the reversed ray sees the same.
+inline constexpr Vector generic_shift{0.5773, 0.2113, 0.7887};
+
 // Faces that lie on the same surface, to rounding. All are met at the t of the representative, bit for bit.
 struct SurfaceClass {
     std::int32_t leaf = -1;  // the representative's
     Surface surface;         // in that leaf's space
     bool whole = false;      // a solid without known faces, shared with copies of itself
+    double shifted_by = 0;   // how far rule P shifts rays that lie in it, if it is a plane; below 0: into the representative
+
+    bool is(Surface::Kind kind) const { return !whole && surface.kind == kind; }
 };
 
 struct Leaf {
@@ -223,7 +230,7 @@ public:
 inline bool has_one_span(const World& world, const Leaf& leaf) {
     for (std::int32_t i = 0; i < leaf.surface_count; ++i) {
         const SurfaceClass& surface = world.surface_classes[world.surface_uses[leaf.first_surface + i].surface_class];
-        if (!surface.whole && surface.surface.kind == Surface::Kind::cone) return false;
+        if (surface.is(Surface::Kind::cone)) return false;
     }
     return leaf.most_spans == 1;
 }

@@ -292,16 +292,17 @@ void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const 
     near.replace(faces);
 
     NormalBatch normals;
-    const bool is_plane = !surface_class.whole && surface_class.surface.kind == Surface::Kind::plane;
-    for (int i = 0; i < width; ++i) {
-        if (is_plane && i > 0) {
-            normals.set(i, {normals.x[0], normals.y[0], normals.z[0]});
-            continue;
-        }
-        const TwoPartPoint point{to_point(faces.anchor[i]), faces.offset[i]};
-        const bool in_own_frame = &frame == &leaf && (near.lanes >> i & 1) == 0;
-        const Point own = in_own_frame ? local.point(i) : leaf.placement.to_local(point);
-        normals.set(i, leaf.object->normal({own, face}));
+    const auto normal_at = [&](int lane) {
+        const TwoPartPoint point{to_point(faces.anchor[lane]), faces.offset[lane]};
+        const bool in_own_frame = &frame == &leaf && (near.lanes >> lane & 1) == 0;
+        const Point own = in_own_frame ? local.point(lane) : leaf.placement.to_local(point);
+        return leaf.object->normal({own, face});
+    };
+    if (surface_class.is(Surface::Kind::plane)) {
+        const Normal normal = normal_at(0);
+        for (int i = 0; i < width; ++i) normals.set(i, normal);
+    } else {
+        for (int i = 0; i < width; ++i) normals.set(i, normal_at(i));
     }
     faces.arriving = rays.direction;
     turn_normals(leaf.placement, normals, faces);
