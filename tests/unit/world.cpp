@@ -142,5 +142,39 @@ TEST_CASE("of thousands of balls, those that stand there twice share their faces
     }
 }
 
+TEST_CASE("a leaf that is neither turned nor scaled represents the surface that it shares") {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> angle(-180, 180), scale(0.5, 2), place(-9, 9);
+    for (int scene = 0; scene < 20; ++scene) {
+        CAPTURE(scene);
+        std::string objects;
+        for (int post = 0; post < 6; ++post) {
+            if (post == scene % 6) objects += "halfspace { transform { translate(0, -2, 0); } } ";
+            objects += fmt::format(
+                "cylinder {{ height(2); transform {{ translate(0, 1, 0); roty({}deg); scale({}); translate({}, -2, {}); }} }} ",
+                angle(random), scale(random), place(random), place(random));
+        }
+        const auto built = test::build("lights { ambient { } } objects { " + objects + " }");
+        REQUIRE(built->scene);
+        const auto world = prepare_world(*built->scene, built->messages);
+        const Vector up{0, 1, 0};
+        const auto shared_floor = [&](const Leaf& leaf) -> const SurfaceUse* {
+            for (int face = 0; face < leaf.surface_count; ++face) {
+                const SurfaceUse& use = world->surface_uses.at(static_cast<std::size_t>(leaf.first_surface + face));
+                if (world->leaves[world->surface_classes[use.surface_class].leaf].placement.has_identity_linear()) return &use;
+            }
+            return nullptr;
+        };
+        for (const Leaf& leaf : world->leaves) {
+            const SurfaceUse* floor = shared_floor(leaf);
+            REQUIRE(floor);
+            const SurfaceClass& surface_class = world->surface_classes[floor->surface_class];
+            CHECK(surface_class.is(Surface::Kind::plane));
+            CHECK(floor->flipped == (leaf.object->bounds().is_finite()));  // posts stand on what the ground fills
+            CHECK((surface_class.shifted_by > 0) == (dot(generic_shift, up) > 0));
+        }
+    }
+}
+
 }  // namespace
 }  // namespace lapidary
