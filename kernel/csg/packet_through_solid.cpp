@@ -218,9 +218,9 @@ void PacketThroughSolid::find_origins(const RayPacket& __restrict rays, Origins&
     }
 }
 
-void PacketThroughSolid::enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
+void PacketThroughSolid::enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared) {
     if (solid.is_product) {
-        enter_product(solid, limit, t, leaf);
+        enter_product(solid, limit, t, leaf, only_compared);
         return;
     }
     for (int i = 0; i < width; ++i) {
@@ -281,20 +281,22 @@ bool PacketThroughSolid::is_convex(const SurfaceUse& use) const {
     return kind == Surface::Kind::plane || (!use.flipped && (kind == Surface::Kind::sphere || kind == Surface::Kind::cylinder));
 }
 
-void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf) {
+void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared) {
     if (all_leave(solid, limit)) {
         t.v.fill(infinity), leaf.fill(-1);
         return;
     }
     // By the time that the first negative leaf is looked at, it is there.
     if (solid.leaf_count > solid.positive_count) ask_for(&world_.leaves[solid.first_leaf + solid.positive_count]);
+    // The span of a leaf that is alone is compared with nothing else.
+    const Asked asked{nullptr, nullptr, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
     // All of the positive leaves: the last entry, while none has ended.
     Lanes first_out;
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
     std::int64_t alive = 1;
     for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
         Lanes in, out;
-        spans(solid.first_leaf + p, in, out);
+        spans(solid.first_leaf + p, in, out, nullptr, asked);
         alive = narrow(in, out, solid.first_leaf + p, solid.positive_count == 1, limit, t, first_out, leaf);
     }
     if (alive == 0 || solid.leaf_count == 1) return;
@@ -336,7 +338,7 @@ bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index,
         asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);
         NegativeLeaf& asked = asked_[asked_slot_[n]];
         asked.leaf = index;
-        spans(index, asked.in, asked.out, nullptr, {&t, nullptr});
+        spans(index, asked.in, asked.out, nullptr, {&t, nullptr, nullptr});
     }
     const NegativeLeaf& asked = asked_[asked_slot_[n]];
     return leave_span(asked.in, asked.out, index, t, moved, leaf) > 0;
@@ -406,7 +408,7 @@ const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
 }
 
 // A leaf's one span in every lane; an empty one ends before it begins.
-void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Window& asked) {
+void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Asked& asked) {
     statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
     const Leaf& leaf = world_.leaves[index];
     if (leaf.first_surface >= 0) {
@@ -420,7 +422,7 @@ void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSp
 }
 
 void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces,
-                                                 unsigned departing, const Window& asked, Lanes& in, Lanes& out) const {
+                                                 unsigned departing, const Asked& asked, Lanes& in, Lanes& out) const {
     for (unsigned rest = near & rays_->lanes(); rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         if (!(in[i] < out[i])) continue;
@@ -457,7 +459,7 @@ void PacketThroughSolid::shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, L
     std::int64_t left = 1;
     for (std::int64_t s = 0; s < leaf.surface_count && left > 0; ++s) {
         Lanes surface_in, surface_out;
-        surface_spans(world_.surface_uses[leaf.first_surface + s], {&in, &out}, surface_in, surface_out);
+        surface_spans(world_.surface_uses[leaf.first_surface + s], {&in, &out, nullptr}, surface_in, surface_out);
         if (faces) {
             name_later(in, surface_in, s, faces->in_face);
             name_earlier(out, surface_out, s, faces->out_face);
@@ -475,12 +477,12 @@ void PacketThroughSolid::find_shared_faces(const Leaf& leaf, const Lanes& t, Lea
     face.fill(-1);
     for (std::int32_t s = 0; s < leaf.surface_count; ++s) {
         Lanes in, out;
-        surface_spans(world_.surface_uses[leaf.first_surface + s], {&t, &t}, in, out);
+        surface_spans(world_.surface_uses[leaf.first_surface + s], {&t, &t, nullptr}, in, out);
         name_met(in, out, s, t, face);
     }
 }
 
-void PacketThroughSolid::surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out) {
+void PacketThroughSolid::surface_spans(const SurfaceUse& use, const Asked& asked, Lanes& in, Lanes& out) {
     const SurfaceClass& surface_class = world_.surface_classes[use.surface_class];
     const Leaf& frame = world_.leaves[surface_class.leaf];
     if (surface_class.is(Surface::Kind::plane)) {
@@ -505,7 +507,7 @@ unsigned PacketThroughSolid::tube_spans(const Leaf& frame, double radius, Lanes&
     return count_from_origins(batch, placed_.anchor, in, out);
 }
 
-void PacketThroughSolid::plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Window& asked, Lanes& in,
+void PacketThroughSolid::plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Asked& asked, Lanes& in,
                                      Lanes& out) {
     placed_lines(surface_class.leaf);
     const unsigned near = find_plane_ends(placed_, surface_class.surface, surface_class.shifted_by, in, out);

@@ -45,7 +45,8 @@ public:
 
     // The first entry of every lane into a solid, as far as it is not beyond its limit, and the leaf entered by or, of negative
     // ones, left; -1 where that is not known. A start inside is an entry at 0.
-    void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
+    // Where entries are `only_compared` with the limits, they may be off by their rounding.
+    void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared = false);
     // The way out of a solid that a lane starts in.
     double leave(const Solid& solid, int lane);
     // Where the inside of a solid that fits lanes begins or ends first behind `from` in every lane, the leaf whose face that
@@ -86,7 +87,7 @@ private:
 
     bool all_leave(const Solid& solid, const Lanes& limit) const;
     bool is_convex(const SurfaceUse& use) const;
-    void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf);
+    void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     static void find_origins(const RayPacket& rays, Origins& origins);
@@ -110,26 +111,28 @@ private:
     unsigned find_doubtful(const Solid& solid, const Lanes& inside, const Lanes& t) const;
     void find_changing_leaves(const Solid& solid, Changes& changes) const;
 
-    // Where ends of spans are asked for; anywhere on a side that is not given. Ends elsewhere may be off by their rounding.
-    struct Window {
-        const Lanes* from;
-        const Lanes* to;
+    // Which ends of spans have to be exact; others may be off by their rounding.
+    struct Asked {
+        const Lanes* from;   // those from here on …
+        const Lanes* to;     // … up to here; null: any
+        const Lanes* limit;  // of them, those that are next to 0 or the limit; null: all
 
         bool holds(double end, double slack, int lane) const {
-            return !(from && end + slack < (*from)[lane]) && !(to && end - slack > (*to)[lane]);
+            const bool is_outside = (from && end + slack < (*from)[lane]) || (to && end - slack > (*to)[lane]);
+            return !is_outside && (!limit || std::fabs(end) <= slack || std::fabs(end - (*limit)[lane]) <= slack);
         }
     };
 
     // Empty spans have in > out.
-    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr, const Window& asked = {});
+    void spans(std::int32_t leaf, Lanes& in, Lanes& out, LeafSpans* faces = nullptr, const Asked& asked = {});
     void shared_spans(const Leaf& leaf, Lanes& in, Lanes& out, LeafSpans* faces);
-    void surface_spans(const SurfaceUse& use, const Window& asked, Lanes& in, Lanes& out);
+    void surface_spans(const SurfaceUse& use, const Asked& asked, Lanes& in, Lanes& out);
     unsigned own_spans(const Leaf& leaf, Lanes& in, Lanes& out);
     unsigned tube_spans(const Leaf& frame, double radius, Lanes& in, Lanes& out);
-    void plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Window& asked, Lanes& in, Lanes& out);
+    void plane_spans(const SurfaceUse& use, const SurfaceClass& surface_class, const Asked& asked, Lanes& in, Lanes& out);
     // Ends close to the rays' origins are found anew, lane by lane, as LineThroughSolid does.
     void find_near_ends_of_lanes(unsigned near, const Leaf& leaf, std::span<const Surface> faces, unsigned departing,
-                                 const Window& asked, Lanes& in, Lanes& out) const;
+                                 const Asked& asked, Lanes& in, Lanes& out) const;
     unsigned lanes_departing_from(std::int32_t surface_class) const;
     void remove_departures(unsigned departing, Lanes& in, Lanes& out) const;
 

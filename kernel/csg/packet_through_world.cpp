@@ -331,7 +331,7 @@ unsigned PacketThroughWorld::blocked(const RayPacket& rays, const Lanes& distanc
     for_each_solid<Order::any>(among, SolidInReach::all_rays, [&](std::int32_t index) {
         Lanes t;
         PacketThroughSolid::LeafLanes leaf;
-        solid_.enter(world_.solids[index], limits_, t, leaf);
+        solid_.enter(world_.solids[index], limits_, t, leaf, true);
         const MetLanes hits = end_met_lanes(t, limits_);  // never lanes without a ray: their limits are below 0
         for (unsigned rest = hits.inside; rest != 0; rest &= rest - 1)
             count_start_inside(rays.departure[std::countr_zero(rest)], statistics_);
@@ -479,7 +479,7 @@ void PacketThroughWorld::finish_changes(ChangePacket& changes) {
 unsigned PacketThroughWorld::reached(std::int32_t index) {
     Lanes t;
     PacketThroughSolid::LeafLanes leaf;
-    solid_.enter(world_.solids[index], limits_, t, leaf);
+    solid_.enter(world_.solids[index], limits_, t, leaf, true);
     return lanes_within(t, limits_) & packet_->lanes();
 }
 
