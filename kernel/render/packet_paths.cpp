@@ -629,39 +629,40 @@ void PacketPaths::begin_light(FacePacket& faces) {
 
 namespace {
 
-// The cosines of the angles between light and shading normal, mirrored ray and true normal. Returns the lanes that may be lit:
-// bit i for lane i.
+// What holds in which lanes of a packet: bit i for lane i.
+struct AimedLanes {
+    unsigned lit;      // the light may fall on the face as it is shaded
+    unsigned faced;    // and on the true one
+    unsigned shining;  // a highlight may show
+};
+
+// The cosines of the angles between light and shading normal, and between light and mirrored ray.
 template <class Faces>
-unsigned find_angles(const Faces& __restrict faces, const IlluminationBatch& __restrict light, Lanes& __restrict cosine,
-                     Lanes& __restrict along_mirrored, Lanes& __restrict facing) {
-    std::int64_t lit = 0;
+AimedLanes find_angles(const Faces& __restrict faces, const IlluminationBatch& __restrict light, Lanes& __restrict cosine,
+                       Lanes& __restrict along_mirrored) {
+    std::int64_t lit = 0, faced = 0, shining = 0;
     for (int i = 0; i < RayPacket::width; ++i) {
         const Vector direction = light.direction(i);
         const double to_normal = dot(faces.shading[i], direction);
         const double towards = dot(faces.mirrored[i], direction);
         cosine[i] = to_normal;
         along_mirrored[i] = towards > 0 ? towards : 0;
-        facing[i] = dot(faces.geometric[i], direction);
+        const double facing = dot(faces.geometric[i], direction);
         const double total = std::fabs(light.r[i]) + std::fabs(light.g[i]) + std::fabs(light.b[i]);
         const bool has_radiance = !(total <= 0);
         lit |= both(has_radiance, to_normal > 0) ? bit_of(i) : 0;
+        faced |= facing > 0 ? bit_of(i) : 0;
+        shining |= power_vanishes(along_mirrored[i], faces.shininess[i]) ? 0 : bit_of(i);
     }
-    return static_cast<unsigned>(lit);
+    return {static_cast<unsigned>(lit), static_cast<unsigned>(faced), static_cast<unsigned>(shining)};
 }
 
 // highlight() for the lanes that are lit; the others get numbers without meaning. Faces of the same matter have the same
 // shininess: then it is whole_power() for all lanes.
 void find_highlights(const Lanes& cosine, const Lanes& shininess, unsigned lit, Lanes& highlights) {
     const double exponent = shininess[0];
-    std::int64_t same = 0, showing = 0;
-    for (int i = 0; i < RayPacket::width; ++i) {
-        same += shininess[i] == exponent;
-        showing += power_vanishes(cosine[i], shininess[i]) ? 0 : bit_of(i);
-    }
-    if ((static_cast<unsigned>(showing) & lit) == 0) {
-        highlights.v.fill(0);
-        return;
-    }
+    std::int64_t same = 0;
+    for (int i = 0; i < RayPacket::width; ++i) same += shininess[i] == exponent;
     if (same < RayPacket::width || !is_small_whole(exponent)) {
         highlights.v.fill(0);
         for (unsigned rest = lit; rest != 0; rest &= rest - 1) {
@@ -696,9 +697,13 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
     IlluminationBatch& light_at = aimed.illumination;
     light.toward_batch(faces.points, light.has_extent() ? light_samples(faces) : middle_of_light, width, &light_at);
 
-    Lanes cosine, along_mirrored, facing;
-    const unsigned lit = find_angles(faces, light_at, cosine, along_mirrored, facing) & ((1u << faces.count) - 1);
-    find_highlights(along_mirrored, faces.shininess, lit, aimed.highlight);
+    Lanes cosine, along_mirrored;
+    const AimedLanes lanes = find_angles(faces, light_at, cosine, along_mirrored);
+    const unsigned lit = lanes.lit & faces.lanes();
+    if ((lanes.shining & lit) != 0)
+        find_highlights(along_mirrored, faces.shininess, lit, aimed.highlight);
+    else
+        aimed.highlight.v.fill(0);
     for (int i = 0; i < width; ++i) {
         const double rest = cosine[i] - aimed.highlight[i];
         aimed.diffuse[i] = rest > 0 ? rest : 0;
@@ -707,13 +712,12 @@ void PacketPaths::aim(const Light& light, FacePacket& faces, AimedLights& aimed)
         const int i = std::countr_zero(rest);
         if (!(faces.opacity[i] > 0)) aimed.diffuse[i] = 0;
     }
-    std::int64_t shows = 0, faced = 0;
-    for (int i = 0; i < width; ++i) {
-        shows |= either(aimed.highlight[i] > 0, aimed.diffuse[i] > 0) ? bit_of(i) : 0;
-        faced |= facing[i] > 0 ? bit_of(i) : 0;
-    }
+    // Without a highlight all that is lit shows, unless it is clear.
+    unsigned shows = lit;
+    if ((lanes.shining & lit) != 0 || faces.transparent != 0)
+        shows &= positive_lanes(aimed.highlight) | positive_lanes(aimed.diffuse);
     const unsigned lit_through = faces.transparent & ~faces.sheets;
-    aimed.arrives = lit & static_cast<unsigned>(shows) & (static_cast<unsigned>(faced) | lit_through);
+    aimed.arrives = shows & (lanes.faced | lit_through);
     tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count - std::popcount(aimed.arrives));
 }
 
