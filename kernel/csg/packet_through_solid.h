@@ -87,6 +87,7 @@ private:
 
     bool all_leave(const Solid& solid, const Lanes& limit) const;
     bool is_convex(const SurfaceUse& use) const;
+    bool all_pass_beside(const Solid& solid, const Lanes& limit) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);

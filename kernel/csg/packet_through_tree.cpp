@@ -128,7 +128,7 @@ using LeafLanes = PacketThroughSolid::LeafLanes;
 }  // namespace
 
 void PacketThroughSolid::next_change(const Solid& solid, const Lanes& from, const Lanes& limit, Changes& changes) {
-    if (all_leave(solid, limit)) {  // outside, and nothing comes any more
+    if (all_leave(solid, limit) || all_pass_beside(solid, limit)) {  // outside, and nothing comes any more
         changes.t.v.fill(infinity), changes.leaf.fill(-1), changes.face.fill(-1);
         changes.inside = changes.doubtful = 0;
         return;

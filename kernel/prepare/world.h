@@ -95,6 +95,9 @@ struct Leaf {
 
     const Point& anchor() const { return placement.centre().anchor; }
     Bounds bounds() const { return box.around(anchor()); }
+    // Of a leaf that is round: of a ball about its anchor that holds all of it, as its box does.
+    double radius() const { return (1 + out_of_round) * std::max({box.high_x, box.high_y, box.high_z}); }
+    static constexpr double out_of_round = 0x1p-20;
 };
 
 // An operation. Trees of operations are numbers: that of a node or, where negative, ~ that of a leaf.
@@ -137,6 +140,7 @@ struct Solid {
     std::int32_t positive_count = 0;
     std::int32_t first_negative_block = -1;  // in World::negative_blocks, over the boxes of many negative leaves
     bool is_product = false;
+    std::int8_t ball = -1;  // of its positive leaves, one that is round: all of the product lies in that ball; -1: there is none
 
     bool has_interfaces = false;  // its inside is made of more than one medium
     bool may_be_transparent = false;

@@ -114,7 +114,62 @@ void aim_at_boxes(Comparison& comparison, double scale, double distance, int cou
     }
 }
 
+// Balls and ellipsoids, some turned, some in two solids, some cut.
+std::string rounded(double scale, const Point& place, int count) {
+    std::mt19937 random(13);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    std::string text = "camera { } lights { ambient { } } objects {\n";
+    for (int i = 0; i < count; ++i) {
+        const std::array solids{"sphere { }",
+                                "sphere { } sphere { }",
+                                "sphere { transform { scale(1, 1.5, 0.7); } }",
+                                "sphere { transform { scale(1, 1.5, 0.7); rotz(35deg); rotx(50deg); } }",
+                                "intersection { cube { } sphere { radius(1.3); } }",
+                                "subtraction { sphere { } sphere { radius(0.8); transform { translate(0.5, 0, 0); } } }"};
+        text += fmt::format("union {{ {} transform {{ roty({}deg); scale({}); translate({}, {}, {}); }} }}\n",
+                            solids[random() % solids.size()], 90 * coordinate(random), 0.03 * scale * (1 + random() % 3),
+                            place.x + scale * coordinate(random), place.y + scale * coordinate(random),
+                            place.z + scale * coordinate(random));
+    }
+    return text + "}";
+}
+
+// Packets of rays that graze one ball each, some by less than rounding, from before it, from within or from behind.
+void graze_balls(Comparison& comparison, double scale, double distance, int count) {
+    std::mt19937 random(17);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    const std::vector<Leaf>& leaves = comparison.world().leaves;
+    for (int k = 0; k < count; ++k) {
+        const Leaf& leaf = leaves[random() % leaves.size()];
+        for (int i = 0; i < width; ++i) {
+            const Vector beside = normalize(Vector{coordinate(random), coordinate(random), coordinate(random)});
+            const Vector local = cross(beside, Vector{coordinate(random), coordinate(random), coordinate(random)});
+            const double out =
+                1 + std::array{0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-3, 0.5}[random() % 7] * (random() % 4 == 0 ? -1 : 1);
+            const Surface sphere = comparison.world().faces_of(leaf).empty() ? Surface{} : comparison.world().faces_of(leaf)[0];
+            const double radius = sphere.kind == Surface::Kind::sphere ? sphere.a : 1;
+            const Point touched = leaf.placement.to_parent(to_point(radius * out * beside));
+            const Vector direction = normalize(leaf.placement.to_parent(local));
+            const double away = scale * distance * std::array{1.0, 1e-3, 0.0, -1e-3, -1.0}[random() % 5];
+            comparison.add({touched - away * direction, direction, {}, {}}, std::fabs(away) * (1 + coordinate(random)));
+        }
+    }
+}
+
 }  // namespace
+
+TEST_CASE("packets lose no ball: scales and distances", "[packets]") {
+    for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20, 1e-90, 1e90})
+        for (const double offset : {0.0, 1e3})
+            for (const double distance : {0.1, 10.0, 1e6}) {
+                CAPTURE(scale, offset, distance);
+                Comparison comparison(rounded(scale, {offset * scale, -offset * scale, 3 * offset * scale}, 40));
+                graze_balls(comparison, scale, distance, 60);
+                CHECK(comparison.met > 100);
+                CHECK(comparison.blocked > 20);
+                CHECK(comparison.different == 0);
+            }
+}
 
 TEST_CASE("packets lose no box: scales and distances", "[packets]") {
     for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20})

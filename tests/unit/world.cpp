@@ -142,6 +142,27 @@ TEST_CASE("of thousands of balls, those that stand there twice share their faces
     }
 }
 
+TEST_CASE("a product knows the ball that it lies in") {
+    const auto ball_of = [](const std::string& solid) {
+        const auto built = test::build("lights { ambient { } } objects { " + solid + " }");
+        REQUIRE(built->scene);
+        const auto world = prepare_world(*built->scene, built->messages);
+        REQUIRE(world->solids.size() == 1);
+        const Solid& only = world->solids.front();
+        return only.ball < 0 ? -1 : world->leaves[only.first_leaf + only.ball].radius();
+    };
+    const auto is_about = [](double found, double radius) { return found >= radius && found < 1.00001 * radius; };
+    CHECK(is_about(ball_of("sphere { radius(3); }"), 3));
+    CHECK(is_about(ball_of("sphere { transform { rotz(30deg); rotx(50deg); scale(2); translate(5, 6, 7); } }"), 2));
+    CHECK(is_about(ball_of("intersection { cube { } sphere { radius(1.3); } }"), 1.3));
+    CHECK(is_about(ball_of("subtraction { sphere { } sphere { radius(0.5); } }"), 1));
+    CHECK(is_about(ball_of("sphere { transform { scale(1, 3, 2); } }"), 3));
+    // No farther along any axis than 2.3.
+    CHECK(ball_of("sphere { transform { scale(1, 3, 1); rotz(45deg); } }") == -1);
+    CHECK(ball_of("cube { }") == -1);
+    CHECK(ball_of("subtraction { cube { } sphere { } }") == -1);
+}
+
 TEST_CASE("a leaf that is neither turned nor scaled represents the surface that it shares") {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> angle(-180, 180), scale(0.5, 2), place(-9, 9);
