@@ -357,7 +357,7 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
 
 // Moves lanes that a negative leaf holds to its exit; whether there were any.
 bool PacketThroughSolid::leave_negative_leaf(std::int32_t n, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf) {
-    if (!any_in_box(world_.leaves[index].bounds())) return false;
+    if (!any_may_be_in(world_.leaves[index])) return false;
     if (asked_stamp_[n] != stamp_) {
         asked_stamp_[n] = stamp_;
         asked_slot_[n] = static_cast<std::int32_t>(asked_count_++);
@@ -411,6 +411,20 @@ void PacketThroughSolid::find_positions(const Origins& __restrict origins, const
         high_x[i] = x + slack, high_y[i] = y + slack, high_z[i] = z + slack;
     }
     p.around = {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
+}
+
+bool PacketThroughSolid::any_may_be_in(const Leaf& leaf) const {
+    return world_.is_round(leaf) ? any_in_ball(leaf.anchor(), leaf.radius()) : any_in_box(leaf.bounds());
+}
+
+bool PacketThroughSolid::any_in_ball(const Point& centre, double radius) const {
+    const Positions& p = positions_;
+    std::int64_t held = 0;
+    for (int i = 0; i < width; ++i) {
+        const double x = p.x[i] - centre.x, y = p.y[i] - centre.y, z = p.z[i] - centre.z, reach = radius + p.slack[i];
+        held += both(reach >= 0, !(x * x + y * y + z * z > reach * reach));
+    }
+    return held > 0;
 }
 
 bool PacketThroughSolid::any_in_box(const Bounds& box) const {

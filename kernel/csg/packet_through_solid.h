@@ -94,7 +94,9 @@ private:
     static void find_origins(const RayPacket& rays, Origins& origins);
     static void find_positions(const Origins& origins, const VectorLanes& direction, double rounding, const Lanes& t,
                                const Lanes& unsettled, Positions& positions);
+    bool any_may_be_in(const Leaf& leaf) const;
     bool any_in_box(const Bounds& box) const;
+    bool any_in_ball(const Point& centre, double radius) const;
     bool leave_negative_leaf(std::int32_t slot, std::int32_t index, Lanes& t, Lanes& moved, LeafLanes& leaf);
 
     // The spans of a leaf, and its faces at their ends.

@@ -180,6 +180,18 @@ Matrix3 round(const TwoPartMatrix3& m) {
     return rounded;
 }
 
+// Whether the images of the axes are across one another and of one length.
+bool are_alike(const Matrix3& rows) {
+    const auto product = [&](int i, int j) {
+        return rows[i][0] * rows[j][0] + rows[i][1] * rows[j][1] + rows[i][2] * rows[j][2];
+    };
+    const double squared = product(0, 0);
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j) most = std::fmax(most, std::fabs(product(i, j) - (i == j ? squared : 0)));
+    return most <= 0x1p-40 * squared;
+}
+
 LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& inverse) {
     LinearMap map{round(linear), round(inverse), linear, inverse};
     // At most 1 for rotations and equal scales of any size; about the root of the condition otherwise, or its square.
@@ -188,6 +200,7 @@ LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& invers
     // A digit or two below the root of the largest double.
     constexpr double most = 0x1p500;
     map.extreme = there > most || back > most;
+    map.keeps_shapes = !map.extreme && are_alike(map.linear);
     return LinearMapPtr(map);
 }
 

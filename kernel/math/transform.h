@@ -65,6 +65,7 @@ struct LinearMap {
     TwoPartMatrix3 exact_linear, exact_inverse;
     bool lopsided = false;  // some directions are stretched much more than others
     bool extreme = false;   // squares of lengths, there or back, are beyond a double
+    bool keeps_shapes = false;
 };
 
 // Shares a map: std::shared_ptr in half the room, as every leaf of a World has one.
@@ -158,6 +159,8 @@ public:
     bool is_lopsided() const { return linear_ && linear_->lopsided; }
     // It makes things so large or so small that squares of lengths overflow or vanish in one of the spaces.
     bool is_extreme() const { return linear_ && linear_->extreme; }
+    // It turns, mirrors and scales alike in all directions: balls stay balls.
+    bool keeps_shapes() const { return !linear_ || linear_->keeps_shapes; }
 
 private:
     std::array<TwoPart, 3> to_local_two_part(const std::array<TwoPart, 3>& v) const;

@@ -528,23 +528,7 @@ private:
     void find_ball(Solid& solid) const {
         const std::int32_t count = std::min<std::int32_t>(solid.positive_count, INT8_MAX);
         for (std::int32_t p = 0; p < count && solid.ball < 0; ++p)
-            if (is_round(world_.leaves[solid.first_leaf + p])) solid.ball = static_cast<std::int8_t>(p);
-    }
-
-    // Whether a leaf reaches no farther in any direction than along the axes, as a ball does, and an ellipsoid that is not
-    // turned. A local point p of the unit ball stands at sum p_i v_i; |that|^2 is at most the greatest of the sums of the rows of
-    // the matrix of all v_i . v_j (which is no less than its greatest eigenvalue).
-    bool is_round(const Leaf& leaf) const {
-        const std::span<const Surface> faces = world_.faces_of(leaf);
-        if (faces.size() != 1 || faces[0].kind != Surface::Kind::sphere || leaf.placement.is_extreme()) return false;
-        const double radius = faces[0].a;
-        const std::array<Vector, 3> v{leaf.placement.to_parent(Vector{radius, 0, 0}),
-                                      leaf.placement.to_parent(Vector{0, radius, 0}),
-                                      leaf.placement.to_parent(Vector{0, 0, radius})};
-        double squares = 0;
-        for (const Vector& axis : v)
-            squares = std::max(squares, std::fabs(dot(axis, v[0])) + std::fabs(dot(axis, v[1])) + std::fabs(dot(axis, v[2])));
-        return std::sqrt(squares) <= leaf.radius();
+            if (world_.is_round(world_.leaves[solid.first_leaf + p])) solid.ball = static_cast<std::int8_t>(p);
     }
 
     // Whether a tree is of one operation only, on leaves of which each has one span on any line.

@@ -95,9 +95,8 @@ struct Leaf {
 
     const Point& anchor() const { return placement.centre().anchor; }
     Bounds bounds() const { return box.around(anchor()); }
-    // Of a leaf that is round: of a ball about its anchor that holds all of it, as its box does.
-    double radius() const { return (1 + out_of_round) * std::max({box.high_x, box.high_y, box.high_z}); }
-    static constexpr double out_of_round = 0x1p-20;
+    // Of a ball, about its anchor, that holds all of a round leaf, as its box does.
+    double radius() const { return (1 + 0x1p-38) * std::max({box.high_x, box.high_y, box.high_z}); }
 };
 
 // An operation. Trees of operations are numbers: that of a node or, where negative, ~ that of a leaf.
@@ -227,6 +226,10 @@ public:
     const std::string* name_of(const Leaf& leaf) const;
     std::span<const Surface> faces_of(const Leaf& leaf) const {
         return {faces.data() + leaf.first_face, static_cast<std::size_t>(leaf.face_count)};
+    }
+    // Whether a leaf is a ball, to far less than the margin of Leaf::radius().
+    bool is_round(const Leaf& leaf) const {
+        return leaf.face_count == 1 && faces_of(leaf)[0].kind == Surface::Kind::sphere && leaf.placement.keeps_shapes();
     }
 };
 

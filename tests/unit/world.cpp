@@ -156,9 +156,9 @@ TEST_CASE("a product knows the ball that it lies in") {
     CHECK(is_about(ball_of("sphere { transform { rotz(30deg); rotx(50deg); scale(2); translate(5, 6, 7); } }"), 2));
     CHECK(is_about(ball_of("intersection { cube { } sphere { radius(1.3); } }"), 1.3));
     CHECK(is_about(ball_of("subtraction { sphere { } sphere { radius(0.5); } }"), 1));
-    CHECK(is_about(ball_of("sphere { transform { scale(1, 3, 2); } }"), 3));
-    // No farther along any axis than 2.3.
-    CHECK(ball_of("sphere { transform { scale(1, 3, 1); rotz(45deg); } }") == -1);
+    CHECK(is_about(ball_of("sphere { transform { scale(-2, 2, 2); } }"), 2));
+    CHECK(ball_of("sphere { transform { scale(1, 1, 1.0001); } }") == -1);
+    CHECK(ball_of("sphere { transform { shear(0.01, 0, 0, 0, 0, 0); } }") == -1);
     CHECK(ball_of("cube { }") == -1);
     CHECK(ball_of("subtraction { cube { } sphere { } }") == -1);
 }
