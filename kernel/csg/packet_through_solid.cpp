@@ -313,10 +313,10 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
     }
     // By the time that the first negative leaf is looked at, it is there.
     if (solid.leaf_count > solid.positive_count) ask_for(&world_.leaves[solid.first_leaf + solid.positive_count]);
-    // The span of a leaf that is alone is compared with nothing else.
-    const Asked asked{nullptr, nullptr, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
-    // All of the positive leaves: the last entry, while none has ended.
+    // All of the positive leaves: the last entry, while none has ended. Ends count where something is left of the leaves before,
+    // and those of a leaf that is alone are compared with nothing else.
     Lanes first_out;
+    const Asked asked{&t, &first_out, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
     std::int64_t alive = 1;
     for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
