@@ -371,7 +371,11 @@ void Passes::paint(const PixelRegion& part, const Colour& colour) {
 
 // All of its rays, which filters may send beyond its pixels, lie in one beam.
 void Passes::begin_tile(const PixelRegion& tile, Worker& worker) const {
-    const double reach = std::max(0.5, filter_.radius());
+    begin_tile(tile, std::max(0.5, filter_.radius()), worker);
+}
+
+// `reach`: how far from the middles of its pixels rays go.
+void Passes::begin_tile(const PixelRegion& tile, double reach, Worker& worker) const {
     const std::optional<Beam> beam =
         camera_.beam(tile.x0 + 0.5 - reach, tile.y0 + 0.5 - reach, tile.x1 - 0.5 + reach, tile.y1 - 0.5 + reach);
     worker.integrand->begin_tile(beam ? &*beam : nullptr);

@@ -119,9 +119,10 @@ void Passes::probe(PixelPlace pixel, EdgeGrid& grid) const {
 
 // False where that was stopped.
 bool Passes::trace_grid(const PixelRegion& tile, Worker& worker) {
+    constexpr double reach = 1;  // cells between middles begin at those of the pixels around
     bool has_begun = false;
     for (std::span places = worker.grid->ask(); !places.empty(); places = worker.grid->ask()) {
-        if (!std::exchange(has_begun, true)) begin_tile(tile, worker);
+        if (!std::exchange(has_begun, true)) begin_tile(tile, reach, worker);
         for (std::size_t first = 0; first < places.size(); first += SampleBatch::most)
             if (!trace_places(places, first, worker)) return false;
         taken_samples_ += places.size();

@@ -97,6 +97,7 @@ private:
     void paint(const PixelRegion& part, const Colour& colour);
     void flush(Worker& worker);
     void begin_tile(const PixelRegion& tile, Worker& worker) const;
+    void begin_tile(const PixelRegion& tile, double reach, Worker& worker) const;
     static std::optional<Colour> spare(const std::optional<Beam>& beam, bool in_quarters, std::size_t size, Worker& worker);
     bool trace(Worker& worker, std::size_t size, bool layers) const;
     void preview_tile(const PixelRegion& tile, int block, Worker& worker);

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
 // Packets of rays against one ray at a time: the same bits in every layer, for everything a World can hold.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "kernel/prepare/world.h"
 #include "kernel/render/camera_rays.h"
+#include "kernel/render/render.h"
 #include "kernel/render/tile.h"
 #include "kernel/render/tracer.h"
 #include "support/catch.h"
@@ -262,4 +267,30 @@ TEST_CASE("Packets give the bits of single rays: faces that let light pass, unde
             sphere { radius(0.4); colour(0.9, 0.1, 0.1); transform { translate(-1.2, 0.2, 1); } }
             halfspace { material { checkers { solid { reflection(0.5); } solid { colour(0, 0, 0); } } }
                         transform { translate(0, -1, 0); } } })") == 0);
+}
+
+// Rays between the middles of pixels go beyond the tile that asks for them: no solid that stands at its border may be lost.
+TEST_CASE("Packets give the bits of single rays: edges that are followed across the borders of tiles") {
+    std::mt19937 random(29);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    std::string text = "camera { screen { size(4/3, 1); } } lights { ambient { } point { location(-3, 4, -1); } } objects {";
+    for (int i = 0; i < 1500; ++i)
+        text += fmt::format("sphere {{ radius(0.02); colour({}, 0.5, 0.5); transform {{ translate({}, {}, {}); }} }}",
+                            0.5 + 0.4 * coordinate(random), coordinate(random), coordinate(random), 2 + coordinate(random));
+    const auto built = test::build(text + "}");
+    REQUIRE(built->scene);
+    Messages messages;
+    const auto world = prepare_world(*built->scene, messages);
+    for (const double error : {0.1, 0.03}) {
+        CAPTURE(error);
+        const auto picture = [&](bool one_by_one) {
+            auto frame = std::make_unique<Frame>(columns, rows, LayerSet{});
+            RenderOptions options;
+            options.error = error, options.one_by_one = one_by_one;
+            CHECK(render(*world, *built->scene, *frame, options).complete);
+            return frame;
+        };
+        const auto of_packets = picture(false), of_single_rays = picture(true);
+        CHECK(std::ranges::equal(of_packets->layer(Layer::colour), of_single_rays->layer(Layer::colour)));
+    }
 }
