@@ -351,7 +351,7 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
             for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
                 if (around.overlaps(world_.leaves[first_negative + n].bounds())) visit(n);
         }
-        end_lanes(unsettled, first_out, limit, t);
+        if (any_moved) end_lanes(unsettled, first_out, limit, t);
     }
 }
 
