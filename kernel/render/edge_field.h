@@ -5,7 +5,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernel/render/edge_grid.h"
@@ -38,12 +40,33 @@ public:
     }
     void keep_middle(PixelPlace place, const FloatColour& colour) {
         const std::size_t index = index_of(place);
-        middles_[index] = colours_[index] = colour;
+        middles_[index] = colour;
         followed_[index].rays = 1;
     }
+    // The middles of a block's pixels, to be written there, and how far it is from one row of them to the next.
+    FloatColour* begin_middles(const PixelRegion& block) {
+        for (int y = block.y0; y < block.y1; ++y)
+            std::fill_n(followed_.begin() + static_cast<std::ptrdiff_t>(index_of({block.x0, y})), block.width(),
+                        Followed{.rays = 1});
+        return &middles_[index_of({block.x0, block.y0})];
+    }
+    std::ptrdiff_t row_of_middles() const { return area_.width(); }
+
     const FloatColour& middle_of(PixelPlace place) const { return middles_[index_of(place)]; }
-    FloatColour& colour_of(PixelPlace place) { return colours_[index_of(place)]; }
-    const FloatColour& colour_of(PixelPlace place) const { return colours_[index_of(place)]; }
+    // Of a pixel and others on its right.
+    std::span<const FloatColour> middles_from(PixelPlace place, int count) const {
+        return {&middles_[index_of(place)], static_cast<std::size_t>(count)};
+    }
+    // As estimated last; its middle's, before.
+    const FloatColour& colour_of(PixelPlace place) const {
+        const std::size_t index = index_of(place);
+        return followed_[index].fineness > 0 ? colours_[index] : middles_[index];
+    }
+    void keep_colour(PixelPlace place, const FloatColour& colour, int fineness) {
+        const std::size_t index = index_of(place);
+        colours_[index] = colour;
+        followed_[index].fineness = static_cast<std::uint8_t>(fineness);
+    }
     Followed& operator[](PixelPlace place) { return followed_[index_of(place)]; }
     const Followed& operator[](PixelPlace place) const { return followed_[index_of(place)]; }
     float greatest_move_in(const PixelRegion& part) const {
@@ -55,8 +78,8 @@ public:
 
 private:
     PixelRegion area_;
-    std::vector<FloatColour, PixelMemory<FloatColour>> middles_, colours_;
-    std::vector<Followed, PixelMemory<Followed>> followed_;
+    std::vector<FloatColour, ZeroMemory<FloatColour>> middles_, colours_;
+    std::vector<Followed, ZeroMemory<Followed>> followed_;
 };
 
 }  // namespace lapidary

@@ -171,6 +171,12 @@ void EdgeGrid::keep_colour(Node node, const FloatColour& colour) {
 
 void EdgeGrid::know_middle(PixelPlace pixel, const FloatColour& colour) { keep_colour(node_of(pixel), colour); }
 
+void EdgeGrid::know_middles(PixelPlace first, std::span<const FloatColour> colours) {
+    const Node begin = node_of(first);
+    for (std::size_t i = 0; i < colours.size(); ++i)
+        r_[begin + i] = colours[i].r, g_[begin + i] = colours[i].g, b_[begin + i] = colours[i].b;
+}
+
 bool EdgeGrid::differs(const FloatColour& a, const FloatColour& b) const { return !(squared_difference(a, b) < least_square_); }
 
 void EdgeGrid::want(PixelPlace pixel) {
@@ -208,13 +214,10 @@ void EdgeGrid::want_all(const PixelRegion& part) {
     // Of the nodes y to y + 2 and x to x + 2, the one in the middle is that of pixel (x, y).
     for (std::size_t y = 0; y < height; ++y) {
         const std::uint64_t across = level[y] | level[y + 1] | level[y + 2], down = upright[y] | upright[y + 1];
-        changing_[y] = across | across >> 1 | down | down >> 1 | down >> 2;
+        const std::uint64_t pixels = (std::uint64_t{1} << width) - 1;
+        changing_[y] = (across | across >> 1 | down | down >> 1 | down >> 2) & pixels;
     }
     asking_ = Asking::of_sides;
-}
-
-bool EdgeGrid::has_changes(PixelPlace pixel) const {
-    return (changing_[static_cast<std::size_t>(pixel.y - corner_.y)] >> (pixel.x - corner_.x) & 1) != 0;
 }
 
 // Between nodes that some pixel asks for, which have a side in common only where the same pixel does.

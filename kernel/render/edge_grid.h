@@ -69,6 +69,8 @@ public:
 
     // The colour in the middle of a pixel of the part or, for fineness 1, of the ring around it.
     void know_middle(PixelPlace pixel, const FloatColour& colour);
+    // For fineness 1: of a pixel and others on its right.
+    void know_middles(PixelPlace first, std::span<const FloatColour> colours);
 
     // For fineness 1, once all middles are known: the pixels of this part.
     void want_all(const PixelRegion& part);
@@ -81,8 +83,9 @@ public:
     std::span<const Place> ask();
     void tell(std::size_t number, const Colour& colour);
 
-    // For fineness 1: whether there is any change around a pixel's middle. Else that says all there is.
-    bool has_changes(PixelPlace pixel) const;
+    // For fineness 1: whether there is any change around a pixel's middle. Else that says all there is. Bit i for the i-th pixel
+    // of a row of the part.
+    std::uint64_t changes_in_row(int y) const { return changing_[static_cast<std::size_t>(y - corner_.y)]; }
     // When all is known, of a pixel that was wanted.
     Estimate estimate(PixelPlace pixel) const;
 

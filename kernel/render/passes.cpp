@@ -44,7 +44,7 @@ std::uint64_t samples_to_come(const Pixel& pixel, std::uint32_t next, double tol
 }
 
 constexpr std::size_t colour_channels = channels_of(Layer::colour), channels_of_block = colour_channels * pixels_of_block;
-static_assert(sizeof(Colour) == colour_channels * sizeof(double));
+static_assert(sizeof(Colour) == colour_channels * sizeof(double) && sizeof(FloatColour) == colour_channels * sizeof(float));
 using ChannelsOfBlock = std::array<float, channels_of_block>;
 
 // The channels of a block's colours as floats; whether all were finite.
@@ -290,7 +290,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
     ask_for_colours(block);
     if (const std::optional<Colour> known = spare(beam, pixel_count(block) == pixels_of_block, pixel_count(block), worker)) {
-        if (shows_colours_only(block) && is_finite(*known)) {
+        if (edges_.is_empty() && shows_colours_only(block) && is_finite(*known)) {
             paint(block, *known);
             worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
         } else {
@@ -307,10 +307,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 
 // The samples of a block, one for each pixel, in the order of places_in_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
-    if (shows_colours_only(block)) {
-        write_colours(block, worker);
-        return;
-    }
+    if (shows_colours_only(block) && write_colours(block, worker)) return;
     const SampleBatch& batch = *worker.batch;
     std::size_t i = 0;
     for (const PixelPlace& place : places_in_block) {
@@ -330,25 +327,22 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     if (edges_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
-// Whole blocks of the colours of pictures of one sample a pixel, which are most of what is ever written.
+// Whole blocks of the colours of middles alone, which are most of what is ever written.
 bool Passes::shows_colours_only(const PixelRegion& block) const {
-    return edges_.is_empty() && !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
+    return !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
            pixel_count(intersection(block, region_)) == pixels_of_block;
 }
 
-void Passes::write_colours(const PixelRegion& block, Worker& worker) {
-    std::array<Colour, pixels_of_block>& colours = worker.batch->colours;
+// Whether all of them were finite; else nothing is written.
+bool Passes::write_colours(const PixelRegion& block, Worker& worker) {
     ChannelsOfBlock channels;
-    if (!round_channels(&colours.front().r, channels)) {
-        for (Colour& colour : colours) {
-            if (is_finite(colour)) continue;
-            ++worker.non_finite_samples;
-            colour = Colour::black();
-        }
-        round_channels(&colours.front().r, channels);
-    }
+    if (!round_channels(&worker.batch->colours.front().r, channels)) return false;
     store_channels(channels, frame_.row(Layer::colour, block.x0, block.x1, block.y0).data(), row_of_colours());
-    worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
+    if (edges_.is_empty())
+        worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
+    else
+        store_channels(channels, &edges_.begin_middles(block)->r, std::ptrdiff_t{colour_channels} * edges_.row_of_middles());
+    return true;
 }
 
 // Before they are written: memory that nothing was written to yet is far away.

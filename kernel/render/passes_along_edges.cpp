@@ -4,6 +4,7 @@
 // where that does not tell enough. What a finer grid finds wakes the pixels beside it, of which a coarser one told all seemed
 // well. What even the finest does not tell takes samples.
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "kernel/math/vector.h"
@@ -75,17 +76,21 @@ void Passes::follow_between_middles(const PixelRegion& tile, PixelSet& restless,
     EdgeGrid& grid = *worker.grid;
     grid.begin({tile.x0, tile.y0}, 1, least_part * plan_.error);
     // Beyond the picture's border everything is as at it.
-    for (int y = tile.y0 - 1; y <= tile.y1; ++y)
-        for (int x = tile.x0 - 1; x <= tile.x1; ++x)
-            grid.know_middle({x, y}, edges_.middle_of({std::clamp(x, 0, picture_.x1 - 1), std::clamp(y, 0, picture_.y1 - 1)}));
+    const int left = std::max(tile.x0 - 1, 0), right = std::min(tile.x1, picture_.x1 - 1);
+    for (int y = tile.y0 - 1; y <= tile.y1; ++y) {
+        const int row = std::clamp(y, 0, picture_.y1 - 1);
+        grid.know_middles({left, y}, edges_.middles_from({left, row}, right - left + 1));
+        if (left == tile.x0) grid.know_middle({left - 1, y}, edges_.middle_of({left, row}));
+        if (right < tile.x1) grid.know_middle({right + 1, y}, edges_.middle_of({right, row}));
+    }
     grid.want_all(tile);
     if (!trace_grid(tile, worker)) return;
     restless.clear();
     for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x) {
-            if (!grid.has_changes({x, y})) continue;
-            keep_estimate({x, y}, grid.estimate({x, y}), 1);
-            if (!(edges_[{x, y}].error <= plan_.error)) restless.add({x, y});
+        for (std::uint64_t left_of_row = grid.changes_in_row(y); left_of_row != 0; left_of_row &= left_of_row - 1) {
+            const PixelPlace place{tile.x0 + std::countr_zero(left_of_row), y};
+            keep_estimate(place, grid.estimate(place), 1);
+            if (!(edges_[place].error <= plan_.error)) restless.add(place);
         }
 }
 
@@ -150,8 +155,8 @@ bool Passes::trace_places(std::span<const EdgeGrid::Place> places, std::size_t f
 
 void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate, int fineness) {
     EdgeField::Followed& followed = edges_[place];
-    FloatColour& colour = edges_.colour_of(place);
-    const double move = fineness == 1 ? 0 : contrast(to_colour(colour), estimate.colour) / brightness_scale(estimate.colour);
+    const Colour before = to_colour(edges_.colour_of(place));
+    const double move = fineness == 1 ? 0 : contrast(before, estimate.colour) / brightness_scale(estimate.colour);
     followed.move = std::max(followed.move, to_float(move));
     greatest_moves_[tile_number(place)] = std::max(greatest_moves_[tile_number(place)], followed.move);
     // A pattern can hide from grids that it fits: once it has shown, none is believed that knows nothing of it.
@@ -159,10 +164,9 @@ void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate,
     followed.error = to_float(std::max(left, error_from_grid(estimate.error, move, fineness)));
     followed.is_surprising = estimate.is_surprising;
     followed.rays = static_cast<std::uint16_t>(followed.rays + estimate.rays);
-    followed.fineness = static_cast<std::uint8_t>(fineness);
     const double error_from_finest = followed.error * fineness / EdgeGrid::greatest_fineness;
     followed.is_given_up = estimate.is_tangled && error_from_finest > least_part_to_give_up * plan_.error;
-    colour = to_floats(estimate.colour);
+    edges_.keep_colour(place, to_floats(estimate.colour), fineness);
     if (is_in(place, region_)) write_followed(place);
 }
 
@@ -212,18 +216,21 @@ void Passes::begin_with_left_over(const PixelRegion& region) {
 }
 
 void Passes::report_of_edges(RenderReport& report, std::size_t& sampled) {
-    for (const PixelRegion& tile : tiles_of(region_))
+    for (const PixelRegion& tile : tiles_of(region_)) {
+        const PixelSet& restless = restless_pixels_of(tile);
+        const bool all_rest = restless.is_empty();
         for (int y = tile.y0; y < tile.y1; ++y)
             for (int x = tile.x0; x < tile.x1; ++x) {
                 const EdgeField::Followed& followed = edges_[{x, y}];
                 // Nothing is known of pixels that were stopped before their edges were followed.
-                const bool is_unknown = followed.fineness == 0 && restless_pixels_of(tile).contains({x, y});
+                const bool is_unknown = !all_rest && followed.fineness == 0 && restless.contains({x, y});
                 const float error = is_unknown ? static_cast<float>(infinity) : followed.error;
                 if (frame_.has(Layer::error)) frame_.pixel(Layer::error, x, y)[0] = error;
                 report.samples += followed.rays;
                 report.within_error += error <= plan_.error;
                 sampled += followed.rays > 0;
             }
+    }
 }
 
 }  // namespace lapidary

@@ -91,7 +91,7 @@ private:
     void sample_middles_of_block(const PixelRegion& block, Worker& worker);
     void write_middles(const PixelRegion& block, Worker& worker);
     bool shows_colours_only(const PixelRegion& block) const;
-    void write_colours(const PixelRegion& block, Worker& worker);
+    bool write_colours(const PixelRegion& block, Worker& worker);
     void ask_for_colours(const PixelRegion& block);
     std::ptrdiff_t row_of_colours() const;
     void paint(const PixelRegion& part, const Colour& colour);
