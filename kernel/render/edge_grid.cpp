@@ -61,19 +61,17 @@ template <std::size_t count>
 
 }  // namespace
 
-FloatColour to_floats(const Colour& colour) {
-    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
-    if (!is_finite(colour)) return {nothing, nothing, nothing};
-    return {to_float(colour.r), to_float(colour.g), to_float(colour.b)};
-}
-
-Colour to_colour(const FloatColour& colour) { return {colour.r, colour.g, colour.b}; }
-
 // Where u x + v y = d, in a cell's own coordinates from 0 to 1.
 struct EdgeGrid::Line {
     double u, v, d;
     double height(const Place& at) const { return u * at.x + v * at.y - d; }
     bool is_below(const Place& at) const { return height(at) < 0; }
+};
+
+// A line, and on which side of it each corner of the cell is.
+struct EdgeGrid::Cut {
+    Line line;
+    std::array<bool, 4> is_below;
 };
 
 // Its corners and sides: left before right, top before bottom.
@@ -90,10 +88,11 @@ struct EdgeGrid::Cell {
 
 private:
     Colour even_quarter(std::size_t corner) const;
-    Colour quarter_by_line(std::size_t corner) const;
+    Colour quarter_by_line(std::size_t corner, const Cut& cut) const;
     Colour quarter_by_sides(std::size_t corner) const;
     Place crossing(std::size_t side) const;
     Line line() const;
+    Cut cut() const;
     static Place place_of_corner(std::size_t corner) {
         return {static_cast<double>(corner & 1), static_cast<double>(corner >> 1)};
     }
@@ -314,16 +313,21 @@ int EdgeGrid::Cell::jumps() const {
 
 Colour EdgeGrid::Cell::mean() const {
     Colour sum;
-    if (jumps() == 0)
+    const int count = jumps();
+    if (count == 0) {
         for (const FloatColour& corner : corners) sum += to_colour(corner);
-    else
-        for (std::size_t corner = 0; corner < 4; ++corner) sum += quarter(corner);
+    } else if (count == 2) {
+        const Cut by_line = cut();
+        for (std::size_t corner = 0; corner < 4; ++corner) sum += quarter_by_line(corner, by_line);
+    } else {
+        for (std::size_t corner = 0; corner < 4; ++corner) sum += quarter_by_sides(corner);
+    }
     return 0.25 * sum;
 }
 
 Colour EdgeGrid::Cell::quarter(std::size_t corner) const {
     const int count = jumps();
-    return count == 0 ? even_quarter(corner) : count == 2 ? quarter_by_line(corner) : quarter_by_sides(corner);
+    return count == 0 ? even_quarter(corner) : count == 2 ? quarter_by_line(corner, cut()) : quarter_by_sides(corner);
 }
 
 // What lies between the corners bilinearly, over the quarter: 9/16 of its own corner, 3/16 of those beside it, 1/16 of the last.
@@ -353,20 +357,26 @@ EdgeGrid::Line EdgeGrid::Cell::line() const {
     return {u, v, u * ends[0].x + v * ends[0].y};
 }
 
+EdgeGrid::Cut EdgeGrid::Cell::cut() const {
+    Cut cut{line(), {}};
+    for (std::size_t corner = 0; corner < 4; ++corner) cut.is_below[corner] = cut.line.is_below(place_of_corner(corner));
+    return cut;
+}
+
 // The line has the corner on one side, with part of the quarter.
-Colour EdgeGrid::Cell::quarter_by_line(std::size_t quarter) const {
-    const Line cut = line();
-    const bool is_below = cut.is_below(place_of_corner(quarter));
+Colour EdgeGrid::Cell::quarter_by_line(std::size_t quarter, const Cut& cut) const {
+    const bool is_below = cut.is_below[quarter];
     Colour here, beyond;
     double share_here = 0, share_beyond = 0;
     for (std::size_t corner = 0; corner < 4; ++corner) {
         const double share = share_of_corner(corner, quarter);
-        const bool is_here = cut.is_below(place_of_corner(corner)) == is_below;
+        const bool is_here = cut.is_below[corner] == is_below;
         (is_here ? here : beyond) += share * to_colour(corners[corner]);
         (is_here ? share_here : share_beyond) += share;
     }
     const Place at = place_of_corner(quarter);
-    const double below = part_below(cut.u, cut.v, 2 * cut.d - cut.u * at.x - cut.v * at.y);
+    const auto& [u, v, d] = cut.line;
+    const double below = part_below(u, v, 2 * d - u * at.x - v * at.y);
     const double part_here = is_below ? below : 1 - below;
     return part_here / share_here * here + (1 - part_here) / share_beyond * beyond;
 }

@@ -25,6 +25,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -39,8 +40,12 @@ struct FloatColour {
     float r = 0, g = 0, b = 0;
 };
 // Not a number, where the colour is not finite.
-LAPIDARY_API FloatColour to_floats(const Colour& colour);
-LAPIDARY_API Colour to_colour(const FloatColour& colour);
+inline FloatColour to_floats(const Colour& colour) {
+    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
+    if (!is_finite(colour)) return {nothing, nothing, nothing};
+    return {to_float(colour.r), to_float(colour.g), to_float(colour.b)};
+}
+inline Colour to_colour(const FloatColour& colour) { return {colour.r, colour.g, colour.b}; }
 
 class LAPIDARY_API EdgeGrid {
 public:
@@ -116,6 +121,7 @@ private:
         FloatColour colour;
     };
     struct Line;
+    struct Cut;
     struct Cell;
     struct Tally;
 

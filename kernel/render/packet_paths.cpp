@@ -152,14 +152,16 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
     FacePacket& faces = new_faces();
     RayPacket rays;
     Lanes t;
-    for (std::uint64_t rest = waiting; rest != 0 && !faces.is_full(); rest &= rest - 1) {
-        const int ray = std::countr_zero(rest);
-        if (wave.leaf(ray) != index || wave.face(ray) != face) continue;
-        waiting &= ~(std::uint64_t{1} << ray);
-        const int lane = faces.count++;
-        rays.add(wave.ray(ray));
-        t[lane] = wave.t(ray);
-        faces.ray[lane] = ray;
+    for (int packet = leader / width; packet < wave_size / width && !faces.is_full(); ++packet) {
+        const BoundaryPacket& met = wave.boundaries[packet];
+        unsigned rest = static_cast<std::uint16_t>(waiting >> packet * width);
+        rest &= lanes_with(met.leaf, index) & lanes_with(met.face, face);
+        for (; rest != 0 && !faces.is_full(); rest &= rest - 1) {
+            const int lane = std::countr_zero(rest), ray = packet * width + lane, number = faces.count++;
+            waiting &= ~(std::uint64_t{1} << ray);
+            rays.add(wave.rays[packet], lane);
+            t[number] = met.t[lane], faces.ray[number] = ray;
+        }
     }
     rays.fill_up();
     for (int lane = faces.count; lane < width; ++lane) t[lane] = t[0], faces.ray[lane] = faces.ray[0];

@@ -179,22 +179,6 @@ void PacketPaths::gather_faces_at_changes(Wave& wave, std::span<FirstFace> first
         while (wave.meetings[packet].plain != 0) gather_face(wave, packet, first);
 }
 
-namespace {
-
-// The lanes in which some numbers are these.
-[[gnu::noinline]] unsigned lanes_with(const std::int32_t* __restrict leaf, std::int32_t same_leaf,
-                                      const std::int32_t* __restrict face, std::int32_t same_face,
-                                      const std::int32_t* __restrict shown, std::int32_t same_shown) {
-    std::int32_t lanes = 0;
-    for (int i = 0; i < batch_size; ++i) {
-        const std::int32_t differs = (leaf[i] ^ same_leaf) | (face[i] ^ same_face) | (shown[i] ^ same_shown);
-        lanes |= differs == 0 ? static_cast<std::int32_t>(bit_of(i)) : 0;
-    }
-    return static_cast<unsigned>(lanes);
-}
-
-}  // namespace
-
 // The first waiting ray's face, with those of others that meet the same one.
 void PacketPaths::gather_face(Wave& wave, int packet, std::span<FirstFace> first) {
     const auto leader = static_cast<std::size_t>(std::countr_zero(wave.meetings[packet].plain));
@@ -207,7 +191,8 @@ void PacketPaths::gather_face(Wave& wave, int packet, std::span<FirstFace> first
         Meetings& meetings = wave.meetings[p];
         if (meetings.plain == 0) continue;
         const BoundaryPacket& met = wave.changes[p].first;
-        unsigned rest = meetings.plain & lanes_with(met.leaf.data(), leaf, met.face.data(), face, meetings.shown.data(), shown);
+        unsigned rest =
+            meetings.plain & lanes_with(met.leaf, leaf) & lanes_with(met.face, face) & lanes_with(meetings.shown, shown);
         for (; rest != 0 && !faces.is_full(); rest &= rest - 1) {
             const int lane = std::countr_zero(rest), ray = wave.begin + p * width + lane;
             meetings.plain &= ~(1u << lane);
