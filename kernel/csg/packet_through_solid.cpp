@@ -187,8 +187,9 @@ template <class Origins>
         const double x = centre.x - origins.x[i], y = centre.y - origins.y[i], z = centre.z - origins.z[i];
         const double along = x * direction.x[i] + y * direction.y[i] + z * direction.z[i], squared = x * x + y * y + z * z;
         const double reach = radius + rounding * (size + origins.size[i] + std::fabs(along));
-        const bool passes = squared - along * along > reach * reach + rounding * squared;
-        beside += either(passes, either(along<-reach, along - reach> limit[i]));
+        const bool passes_by = squared - along * along > reach * reach + rounding * squared;
+        const bool begins_behind = along + reach < 0, ends_before = limit[i] < along - reach;
+        beside += either(passes_by, either(begins_behind, ends_before));
     }
     return beside;
 }

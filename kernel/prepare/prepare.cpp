@@ -525,6 +525,7 @@ private:
         put_negative_leaves_into_blocks(solid);
     }
 
+    // The first of its positive leaves that is one.
     void find_ball(Solid& solid) const {
         const std::int32_t count = std::min<std::int32_t>(solid.positive_count, INT8_MAX);
         for (std::int32_t p = 0; p < count && solid.ball < 0; ++p)
