@@ -23,14 +23,6 @@ struct alignas(64) Lanes {
 inline bool both(bool a, bool b) { return (static_cast<int>(a) & static_cast<int>(b)) != 0; }
 inline bool either(bool a, bool b) { return (static_cast<int>(a) | static_cast<int>(b)) != 0; }
 
-// 2^i for lane i. Sums of these over the lanes that something holds for become vector instructions; shifts do not.
-inline constexpr std::array<std::int64_t, batch_size> bits_of_lanes = [] {
-    std::array<std::int64_t, batch_size> bits{};
-    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = std::int64_t{1} << i;
-    return bits;
-}();
-constexpr std::int64_t bit_of(int lane) { return bits_of_lanes[static_cast<std::size_t>(lane)]; }
-
 // The lanes with a number below infinity: bit i for lane i.
 inline unsigned finite_lanes(const Lanes& lanes) {
     std::int64_t finite = 0;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kernel/export.h"
+#include "kernel/interfaces/object.h"
 #include "kernel/math/colour.h"
 #include "kernel/math/transform.h"
 #include "kernel/math/vector.h"
@@ -29,6 +30,38 @@ struct Matter {
     Vector relief;                    // bump times the gradient of the relief at the point
 
     bool is_transparent() const { return refraction > 0; }
+};
+
+// The same for a batch of places at once.
+struct alignas(64) SiteBatch {
+    PointBatch points;
+    double footprint[batch_size];
+
+    Site site(int lane) const { return {points.point(lane), footprint[lane]}; }
+};
+
+struct alignas(64) MatterBatch {
+    double r[batch_size], g[batch_size], b[batch_size];  // colour
+    double reflection[batch_size], refraction[batch_size], shininess[batch_size], opacity[batch_size], depth[batch_size];
+    double relief_x[batch_size], relief_y[batch_size], relief_z[batch_size];
+
+    Matter matter(int lane) const {
+        return {{r[lane], g[lane], b[lane]},
+                reflection[lane],
+                refraction[lane],
+                shininess[lane],
+                opacity[lane],
+                depth[lane],
+                relief(lane)};
+    }
+    Vector relief(int lane) const { return {relief_x[lane], relief_y[lane], relief_z[lane]}; }
+    void set(int lane, const Matter& m) {
+        r[lane] = m.colour.r, g[lane] = m.colour.g, b[lane] = m.colour.b;
+        reflection[lane] = m.reflection, refraction[lane] = m.refraction, shininess[lane] = m.shininess;
+        opacity[lane] = m.opacity, depth[lane] = m.depth;
+        set_relief(lane, m.relief);
+    }
+    void set_relief(int lane, const Vector& v) { relief_x[lane] = v.x, relief_y[lane] = v.y, relief_z[lane] = v.z; }
 };
 
 // A straight line through matter, in the material's own space: origin + t direction. The direction has any length.
@@ -54,6 +87,11 @@ public:
     virtual ~Material();
 
     virtual Matter evaluate(const Site& site) const = 0;
+
+    // The same for those lanes of a batch that are asked for, bit i of `lanes` for lane i and at least one of them; the others
+    // are left as they are. The sites of all lanes may be read. The default asks evaluate() for each lane, and once where the
+    // material is uniform.
+    virtual void evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const;
 
     // The first boundary with from < t < to between regions of different matter; boundaries of children count where the
     // child is in effect. A texture without abrupt changes has none: the default.

@@ -3,6 +3,9 @@
 // The interface of a solid: a closed set of points in its own space, asked where a line runs inside it.
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +43,21 @@ inline Span intersect(const Span& a, const Span& b) { return {a.in > b.in ? a.in
 // sets fit together.
 inline constexpr int batch_size = 16;
 
+// 2^i for lane i, as sets of lanes are written. Sums of these over the lanes that something holds for become vector instructions;
+// shifts do not.
+inline constexpr std::array<std::int64_t, batch_size> bits_of_lanes = [] {
+    std::array<std::int64_t, batch_size> bits{};
+    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = std::int64_t{1} << i;
+    return bits;
+}();
+constexpr std::int64_t bit_of(int lane) { return bits_of_lanes[static_cast<std::size_t>(lane)]; }
+
+// Calls f(lane) for each lane of a set.
+template <class F>
+void for_each_lane(unsigned lanes, const F& f) {
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) f(std::countr_zero(rest));
+}
+
 struct alignas(64) LineBatch {
     double closest_x[batch_size], closest_y[batch_size], closest_z[batch_size];
     double direction_x[batch_size], direction_y[batch_size], direction_z[batch_size];
@@ -53,6 +71,7 @@ struct alignas(64) PointBatch {
     double x[batch_size], y[batch_size], z[batch_size];
 
     Point point(int lane) const { return {x[lane], y[lane], z[lane]}; }
+    void set(int lane, const Point& p) { x[lane] = p.x, y[lane] = p.y, z[lane] = p.z; }
 };
 
 struct alignas(64) NormalBatch {

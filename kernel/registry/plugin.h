@@ -19,7 +19,7 @@ enum class PluginKind : std::uint32_t { object, material, light, output };
 
 inline constexpr std::uint32_t plugin_magic = 0x4c415049;  // "LAPI"
 // Counts up with every change of an interface that plugins are compiled against.
-inline constexpr std::uint32_t plugin_interface_version = 4;
+inline constexpr std::uint32_t plugin_interface_version = 5;
 
 // What must agree between two compilations for objects to be passed between them: the standard library, and the sizes
 // of what crosses the boundary. It reads "libstdc++ 8.32.88 …", so that a refusal can show both.

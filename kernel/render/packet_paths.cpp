@@ -442,14 +442,9 @@ void PacketPaths::FacePacket::copy_matter(int lane, int from) {
 namespace {
 
 // Where the matter of faces is to be sampled, in its own space: on the solid side, which is behind but for rays that leave it.
-struct MatterSites {
-    PointBatch points;
-    Lanes footprints;
-};
-
 template <bool identity, class Faces>
 [[gnu::noinline]] void find_sites(const PlacedTexture& texture, double pixel_footprint, const Faces& __restrict faces,
-                                  MatterSites& __restrict sites) {
+                                  SiteBatch& __restrict sites) {
     const TwoPartPoint centre = texture.placement.centre();
     const Matrix3 inverse = texture.placement.inverse_linear();
     const double scale = texture.scale;
@@ -461,7 +456,20 @@ template <bool identity, class Faces>
         const double footprint = pixel_footprint * faces.travelled[i] * scale;
         const Point beside = point_beside<identity>(point - centre, footprint, side * beyond, inverse);
         sites.points.x[i] = beside.x, sites.points.y[i] = beside.y, sites.points.z[i] = beside.z;
-        sites.footprints[i] = footprint;
+        sites.footprint[i] = footprint;
+    }
+}
+
+// That of a batch; lanes without a face get the first one's.
+template <class Faces>
+[[gnu::noinline]] void take_matter(const MatterBatch& __restrict matter, Faces& __restrict faces) {
+    const std::int64_t lanes = faces.lanes();
+    for (int i = 0; i < PacketPaths::width; ++i) {
+        const bool has_face = (lanes & bit_of(i)) != 0;
+        const auto take = [&](const double* values) { return has_face ? values[i] : values[0]; };
+        faces.colour.r[i] = take(matter.r), faces.colour.g[i] = take(matter.g), faces.colour.b[i] = take(matter.b);
+        faces.reflection[i] = take(matter.reflection), faces.shininess[i] = take(matter.shininess);
+        faces.opacity[i] = take(matter.opacity), faces.index_behind[i] = take(matter.refraction);
     }
 }
 
@@ -476,20 +484,20 @@ void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& face
         return;
     }
     const PlacedTexture& texture = *material.texture;
-    MatterSites sites;
+    SiteBatch sites;
     if (texture.placement.has_identity_linear())
         find_sites<true>(texture, tracer_.pixel_footprint, faces, sites);
     else
         find_sites<false>(texture, tracer_.pixel_footprint, faces, sites);
+    MatterBatch matter;
+    texture.material->evaluate_batch(sites, faces.lanes(), matter);
+    take_matter(matter, faces);
+    faces.transparent |= positive_lanes(faces.index_behind) & faces.lanes();
+    if (!world_.features.relief) return;
     for (int i = 0; i < faces.count; ++i) {
-        const Matter matter = texture.material->evaluate({sites.points.point(i), sites.footprints[i]});
-        faces.set_matter(i, matter);
-        faces.transparent |= static_cast<unsigned>(matter.is_transparent()) << i;
-        if (!world_.features.relief) continue;
         const Normal geometric(faces.geometric[i]);
-        faces.shading.set(i, Tracer::Implementation::bent_normal(faces.arriving[i], geometric, material, matter));
+        faces.shading.set(i, Tracer::Implementation::bent_normal(faces.arriving[i], geometric, material, matter.relief(i)));
     }
-    for (int i = faces.count; i < width; ++i) faces.copy_matter(i, 0);
 }
 
 // What is not plain is asked of the single ray.

@@ -24,11 +24,6 @@ TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& o) {
 
 namespace {
 
-// The world normal of a gradient in a material's space; black where the matter has no relief.
-Normal relief_in_world(const MaterialInstance& instance, const Matter& matter) {
-    return instance.placement().to_parent(Normal(matter.relief));
-}
-
 // A face that neither bends, mirrors nor covers what is behind it.
 bool lets_pass(const Encounter& e) {
     return e.matter.is_transparent() && e.index_before == e.index_behind && e.matter.opacity == 0 && e.matter.reflection == 0;
@@ -46,9 +41,9 @@ double Tracer::Implementation::index_of(const Label& label, const MatterSite& si
 
 // n - (relief - (relief . n) n), normalised; a normal that would face away from the viewer is bent back to the horizon.
 Normal Tracer::Implementation::bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
-                                           const Matter& matter) {
-    if (matter.relief == Vector{}) return geometric;
-    const Vector n = to_vector(geometric), g = to_vector(relief_in_world(instance, matter));
+                                           const Vector& relief) {
+    if (relief == Vector{}) return geometric;
+    const Vector n = to_vector(geometric), g = to_vector(instance.placement().to_parent(Normal(relief)));
     Vector bent = normalize(n - (g - dot(g, n) * n));
     const double away = dot(bent, arriving);
     if (away > 0) bent = normalize(bent - away * arriving);
@@ -110,7 +105,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_face(const Ray& ray, 
             e.index_before = index_of(boundary.before, site, -beyond, nullptr);
         }
     }
-    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, world.materials[shown], e.matter);
+    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, world.materials[shown], e.matter.relief);
     if (first && first->object == 0) {
         first->depth = e.travelled;
         first->normal = e.shading;
@@ -141,7 +136,7 @@ std::optional<Encounter> Tracer::Implementation::encounter_crossing(const Ray& r
         e.index_before = before.is_transparent() ? before.refraction : 1;
         e.index_behind = e.matter.refraction;
     }
-    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, medium, e.matter);
+    if (world.features.relief) e.shading = bent_normal(ray.direction, e.geometric, medium, e.matter.relief);
     return e;
 }
 

@@ -106,7 +106,7 @@ struct Tracer::Implementation {
     std::optional<Encounter> encounter_crossing(const Ray& ray, const MaterialInstance& medium, const Crossing& crossing,
                                                 double travelled);
     static Normal bent_normal(const Vector& arriving, const Normal& geometric, const MaterialInstance& instance,
-                              const Matter& matter);
+                              const Vector& relief);
     // Off a bent normal the mirrored ray may point into the surface: it is turned back out.
     static Vector turned_out(const Vector& mirrored, const Normal& geometric) {
         const double below = dot(mirrored, geometric);

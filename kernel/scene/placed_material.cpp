@@ -40,6 +40,29 @@ double norm_bound(Matrix3 m) {
     return std::exp(logarithm + weight * std::log(frobenius_norm(m))) * (1 + 1e-12);
 }
 
+// Transform::to_local of all lanes. A space that lies about the centre of its surroundings asks for no difference.
+template <bool identity, bool centred>
+[[gnu::noinline]] void place_sites(const Transform& transform, double footprint_scale, const SiteBatch& __restrict sites,
+                                   SiteBatch& __restrict local) {
+    const TwoPartPoint centre = transform.centre();
+    const Matrix3 inverse = transform.inverse_linear();
+    const auto to_local = [&inverse](const Vector& v) { return identity ? v : multiply(v, inverse); };
+    for (int lane = 0; lane < batch_size; ++lane) {
+        const Point p = sites.points.point(lane);
+        if constexpr (centred) {
+            local.points.set(lane, to_point(to_local(to_vector(p))));
+        } else {
+            const TwoPartVector from_centre = TwoPartPoint(p) - centre;
+            local.points.set(lane, to_point(to_local(from_centre.hi) + to_local(from_centre.lo)));
+        }
+        local.footprint[lane] = footprint_scale * sites.footprint[lane];
+    }
+}
+
+bool is_centred(const Transform& transform) {
+    return transform.centre().anchor == Point() && transform.centre().offset == Vector();
+}
+
 }  // namespace
 
 PlacedMaterial::PlacedMaterial(MaterialPtr material, const ExactTransform& to_surroundings)
@@ -50,9 +73,19 @@ PlacedMaterial::PlacedMaterial(MaterialPtr material, const ExactTransform& to_su
 
 Matter PlacedMaterial::evaluate(const Site& site) const {
     Matter matter = material_->evaluate({transform_.to_local(site.point), site.footprint * footprint_scale_});
-    // A gradient goes from one space to the other like a normal, length included.
-    matter.relief = to_vector(transform_.to_parent(Normal(matter.relief)));
+    matter.relief = relief_in_surroundings(matter.relief);
     return matter;
+}
+
+void PlacedMaterial::evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const {
+    SiteBatch local;
+    const auto place = transform_.has_identity_linear() ? place_sites<true, false>
+                       : is_centred(transform_)         ? place_sites<false, true>
+                                                        : place_sites<false, false>;
+    place(transform_, footprint_scale_, sites, local);
+    material_->evaluate_batch(local, lanes, matter);
+    if (!material_->may_have_relief()) return;
+    for_each_lane(lanes, [&](int lane) { matter.set_relief(lane, relief_in_surroundings(matter.relief(lane))); });
 }
 
 Crossing PlacedMaterial::next_boundary(const MaterialLine& line, double from, double to) const {

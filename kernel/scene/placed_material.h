@@ -13,6 +13,7 @@ public:
     PlacedMaterial(MaterialPtr material, const ExactTransform& to_surroundings);
 
     Matter evaluate(const Site& site) const override;
+    void evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const override;
     Crossing next_boundary(const MaterialLine& line, double from, double to) const override;
     std::uint64_t region(const Point& point) const override;
     double clearance(const Point& point) const override;
@@ -23,6 +24,9 @@ public:
     bool may_have_relief() const override { return material_->may_have_relief(); }
 
 private:
+    // A gradient goes from one space to the other like a normal, length included.
+    Vector relief_in_surroundings(const Vector& relief) const { return to_vector(transform_.to_parent(Normal(relief))); }
+
     MaterialPtr material_;
     Transform transform_;      // from the material's space to its surroundings
     double footprint_scale_;   // a width in the surroundings times this is one in the material's space

@@ -10,7 +10,7 @@
 
 namespace lapidary {
 
-class Bricks final : public Selection<Bricks> {
+class Bricks final : public BatchedSelection<Bricks> {
 public:
     static void describe(Schema<Bricks>& schema) {
         schema.summary("Bricks in running bond, and the mortar between them.");
@@ -27,9 +27,9 @@ public:
         schema.child("mortar", &Bricks::mortar_).help("What is between them.");
     }
 
-    const Child& choose(const Point& p) const {
-        const bool inside = rows_x(p.y).holds(p.x) && rows_y().holds(p.y) && rows_z().holds(p.z);
-        return inside ? brick_ : mortar_;
+    std::int64_t choose(const Point& p) const {
+        const bool x = rows_x(p.y).holds(p.x), y = rows_y().holds(p.y), z = rows_z().holds(p.z);
+        return (x & y & z) ? 0 : 1;
     }
 
     // Cell by cell, until being in a brick changes. In a joint across z or y there is mortar until the line leaves it,

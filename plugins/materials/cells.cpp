@@ -45,7 +45,7 @@ public:
         schema.children("children", &Cells::children_).help("The materials; each cell gets one of them.");
     }
 
-    const Child& choose(const Point& p) const { return child_of(nearest(p).seed); }
+    std::int64_t choose(const Point& p) const { return child_of(nearest(p).seed); }
 
     // From cell to cell until the material changes.
     Crossing next_cut(const MaterialLine& line, double from, double to) const {
@@ -55,7 +55,7 @@ public:
             Seed next = here;
             const double t = leave(line, here, next, from, to);
             if (!(t < to)) return {};
-            if (t > from && &child_of(here) != &child_of(next)) return {t, Normal(next.point - here.point)};
+            if (t > from && child_of(here) != child_of(next)) return {t, Normal(next.point - here.point)};
             from = std::fmax(from, t);
             here = next;
         }
@@ -68,11 +68,7 @@ public:
         return (std::fmin(std::sqrt(n.second_squared), surely_searched) - std::sqrt(n.distance_squared)) / 2;
     }
 
-    std::vector<const Child*> children() const {
-        std::vector<const Child*> all;
-        for (const Child& child : children_) all.push_back(&child);
-        return all;
-    }
+    const std::vector<Child>& children() const { return children_; }
 
 private:
     // Two neighbours in three have different materials even where there are only a few; a line that finds none in so
@@ -107,7 +103,7 @@ private:
         return closest + std::sqrt(std::fmax(0, 3.01 - distance_squared) / dd);
     }
 
-    const Child& child_of(const Seed& seed) const { return children_[seed.hash % children_.size()]; }
+    std::int64_t child_of(const Seed& seed) const { return static_cast<std::int64_t>(seed.hash % children_.size()); }
 
     Seed seed_in(double x, double y, double z) const {
         const auto bits = [](double cell) {

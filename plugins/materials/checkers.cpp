@@ -9,7 +9,7 @@
 
 namespace lapidary {
 
-class Checkers final : public Selection<Checkers> {
+class Checkers final : public BatchedSelection<Checkers> {
 public:
     static void describe(Schema<Checkers>& schema) {
         schema.summary("Unit cubes of two materials, alternating along each axis.");
@@ -18,12 +18,12 @@ public:
     }
 
     // The parity of a sum is that of the sum of the parities, which stays exact at any coordinate.
-    const Child& choose(const Point& p) const {
+    std::int64_t choose(const Point& p) const {
         const auto is_odd = [](double x) {
             const double cell = std::floor(x);
             return cell - 2 * std::floor(cell / 2) == 1;
         };
-        return (is_odd(p.x) ^ is_odd(p.y) ^ is_odd(p.z)) ? odd_ : even_;
+        return (is_odd(p.x) ^ is_odd(p.y) ^ is_odd(p.z)) ? 1 : 0;
     }
 
     Crossing next_cut(const MaterialLine& line, double from, double) const {

@@ -148,17 +148,13 @@ public:
                        [](const Layers& l) { return l.edges_.empty() || l.edges_.size() + 1 == l.children_.size(); });
     }
 
-    const Child& choose(const Point& p) const { return children_[edges().part_of(pattern().value(p))]; }
+    std::int64_t choose(const Point& p) const { return static_cast<std::int64_t>(edges().part_of(pattern().value(p))); }
     Crossing next_cut(const MaterialLine& line, double from, double to) const {
         return children_.size() < 2 ? Crossing{} : pattern().next_edge(line, from, to, edges());
     }
     double clearance_of_cuts(const Point& p) const { return pattern().clearance(p, edges()); }
 
-    std::vector<const Child*> children() const {
-        std::vector<const Child*> all;
-        for (const Child& child : children_) all.push_back(&child);
-        return all;
-    }
+    const std::vector<Child>& children() const { return children_; }
 
 private:
     enum class Kind { planes, spheres, cylinders, waves, noise };

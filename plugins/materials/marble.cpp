@@ -10,6 +10,7 @@
 
 #include <lapidary/plugin.h>
 
+#include <bit>
 #include <numbers>
 
 #include "lapidary/turbulence.h"
@@ -28,15 +29,25 @@ public:
     }
 
     Matter evaluate(const Site& site) const override {
-        const double s =
-            site.point.x + amount_ * turbulence(site.point, octaves_, visible_octaves(octaves_, amount_, site.footprint));
-        const double wave = (1 + std::cos(2 * std::numbers::pi * (s - std::floor(s)))) / 2;
-        return matter(mix(colour(), vein_, std::pow(wave, sharpness_)), site.point);
+        return disturbed(site.point, turbulence(site.point, octaves_, visible_octaves(octaves_, amount_, site.footprint)));
+    }
+
+    void evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const override {
+        if (std::popcount(lanes) < points_worth_batch) return Material::evaluate_batch(sites, lanes, matter);
+        double sums[batch_size];
+        turbulence_batch(sites.points, VisibleOctaves(octaves_, amount_, sites.footprint, lanes), sums);
+        for_each_lane(lanes, [&](int lane) { matter.set(lane, disturbed(sites.points.point(lane), sums[lane])); });
     }
 
     bool is_uniform() const override { return false; }
 
 private:
+    Matter disturbed(const Point& point, double turbulence) const {
+        const double s = point.x + amount_ * turbulence;
+        const double wave = (1 + std::cos(2 * std::numbers::pi * (s - std::floor(s)))) / 2;
+        return matter(mix(colour(), vein_, std::pow(wave, sharpness_)), point);
+    }
+
     Colour vein_{0.25, 0.25, 0.3};
     double amount_ = 1;
     int octaves_ = 6;

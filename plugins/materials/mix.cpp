@@ -8,6 +8,7 @@
 
 #include <lapidary/plugin.h>
 
+#include <algorithm>
 #include <span>
 
 namespace lapidary {
@@ -29,6 +30,22 @@ public:
         if (amount <= 0) return first_->evaluate(site);
         if (amount >= 1) return second_->evaluate(site);
         return blend(first_->evaluate(site), second_->evaluate(site), amount);
+    }
+
+    void evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const override {
+        double amounts[batch_size];
+        find_amounts(sites, lanes, amounts);
+        unsigned first = 0, second = 0;  // the lanes that have something of each
+        for_each_lane(lanes, [&](int lane) {
+            first |= static_cast<unsigned>(!(amounts[lane] >= 1)) << lane;
+            second |= static_cast<unsigned>(!(amounts[lane] <= 0)) << lane;
+        });
+        MatterBatch others;
+        if (first != 0) first_->evaluate_batch(sites, first, matter);
+        if (second != 0) second_->evaluate_batch(sites, second, others);
+        for_each_lane(second & ~first, [&](int lane) { matter.set(lane, others.matter(lane)); });
+        for_each_lane(second & first,
+                      [&](int lane) { matter.set(lane, blend(matter.matter(lane), others.matter(lane), amounts[lane])); });
     }
 
     // A change in any of them is a change in the blend.
@@ -60,6 +77,14 @@ public:
     bool may_have_relief() const override { return first_->may_have_relief() || second_->may_have_relief(); }
 
 private:
+    [[gnu::noinline]] void find_amounts(const SiteBatch& sites, unsigned lanes, double* amounts) const {
+        std::fill_n(amounts, batch_size, amount_);
+        if (!by_) return;
+        MatterBatch by;
+        by_->evaluate_batch(sites, lanes, by);
+        for_each_lane(lanes, [&](int lane) { amounts[lane] = brightness(by.matter(lane).colour); });
+    }
+
     // The luminance of Rec. 709, so written that a grey is its own brightness exactly.
     static double brightness(const Colour& c) { return c.g + 0.2126 * (c.r - c.g) + 0.0722 * (c.b - c.g); }
 

@@ -8,6 +8,8 @@
 
 #include <lapidary/plugin.h>
 
+#include <bit>
+
 #include "lapidary/noise_search.h"
 
 namespace lapidary {
@@ -25,9 +27,13 @@ public:
         schema.child("between", &NoiseTexture::between_).help("In the band.");
     }
 
-    const Child& choose(const Point& p) const {
-        const double value = noise(p);
-        return value < low_ ? below_ : value > high_ ? above_ : between_;
+    std::int64_t choose(const Point& p) const { return child_where(noise(p)); }
+
+    void choose_batch(const PointBatch& points, unsigned lanes, ChoiceBatch& choices) const {
+        if (std::popcount(lanes) < points_worth_batch) return Selection::choose_batch(points, lanes, choices);
+        double values[batch_size];
+        noise_batch(points, batch_size, values);
+        for (int lane = 0; lane < batch_size; ++lane) choices.child[lane] = child_where(values[lane]);
     }
 
     Crossing next_cut(const MaterialLine& line, double from, double to) const {
@@ -43,6 +49,11 @@ public:
     std::array<const Child*, 3> children() const { return {&below_, &above_, &between_}; }
 
 private:
+    std::int64_t child_where(double value) const {
+        const std::int64_t above_or_between = value > high_ ? 1 : 2;
+        return value < low_ ? 0 : above_or_between;
+    }
+
     double low_ = -0.05, high_ = 0.05;
     Child below_, above_, between_;
 };

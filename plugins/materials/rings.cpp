@@ -10,7 +10,7 @@
 
 namespace lapidary {
 
-class Rings final : public Selection<Rings> {
+class Rings final : public BatchedSelection<Rings> {
 public:
     static void describe(Schema<Rings>& schema) {
         schema.summary("Concentric shells of two materials, of unit thickness.");
@@ -20,9 +20,9 @@ public:
         schema.child("odd", &Rings::odd_).help("The shells between them.");
     }
 
-    const Child& choose(const Point& p) const {
+    std::int64_t choose(const Point& p) const {
         const double shell = std::floor(length(across(to_vector(p))));
-        return shell - 2 * std::floor(shell / 2) == 1 ? odd_ : even_;
+        return shell - 2 * std::floor(shell / 2) == 1 ? 1 : 0;
     }
 
     Crossing next_cut(const MaterialLine& line, double from, double) const {

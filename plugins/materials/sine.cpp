@@ -26,7 +26,8 @@ public:
 
     Matter evaluate(const Site& site) const override {
         const double height = std::sin(site.point.x);
-        return matter(mix(trough(), crest(), (1 + height) / 2), site.point, {std::cos(site.point.x), 0, 0});
+        const double slope = bump() != 0 ? std::cos(site.point.x) : 0;
+        return matter(mix(trough(), crest(), (1 + height) / 2), site.point, {slope, 0, 0});
     }
 
     bool is_uniform() const override { return false; }

@@ -15,6 +15,8 @@
 
 #include <lapidary/plugin.h>
 
+#include <bit>
+
 #include "lapidary/turbulence.h"
 
 namespace lapidary {
@@ -40,10 +42,21 @@ public:
 
     Matter evaluate(const Site& site) const override {
         const Point& p = site.point;
-        const int count = visible_octaves(octaves_, std::sqrt(3.0) * amount_, site.footprint);  // of all three together
-        Matter m = child_->evaluate({stirred(p, count), site.footprint});
+        Matter m = child_->evaluate({stirred(p, visible_octaves(octaves_, amount_of_all(), site.footprint)), site.footprint});
         if (!(m.relief == Vector{})) m.relief = pulled_back(m.relief, p);
         return m;
+    }
+
+    void evaluate_batch(const SiteBatch& sites, unsigned lanes, MatterBatch& matter) const override {
+        if (std::popcount(lanes) < points_worth_batch) return Material::evaluate_batch(sites, lanes, matter);
+        SiteBatch stirred_sites = sites;
+        stir(stirred_sites.points, VisibleOctaves(octaves_, amount_of_all(), sites.footprint, lanes));
+        child_->evaluate_batch(stirred_sites, lanes, matter);
+        if (!child_->may_have_relief()) return;
+        for_each_lane(lanes, [&](int lane) {
+            const Vector relief = matter.relief(lane);
+            if (!(relief == Vector{})) matter.set_relief(lane, pulled_back(relief, sites.points.point(lane)));
+        });
     }
 
     Crossing next_boundary(const MaterialLine& line, double from, double to) const override {
@@ -139,6 +152,23 @@ private:
     Point stirred(const Point& p, int count) const {
         return p + amount_ * turbulence({p, p + offset1, p + offset2}, octaves_, count);
     }
+
+    // The same for a batch of points.
+    [[gnu::noinline]] void stir(PointBatch& points, const VisibleOctaves& visible) const {
+        const auto turbulence_beside = [&](const Vector& offset, double* sums) {
+            PointBatch moved;
+            for (int lane = 0; lane < batch_size; ++lane) moved.set(lane, points.point(lane) + offset);
+            turbulence_batch(moved, visible, sums);
+        };
+        double x[batch_size], y[batch_size], z[batch_size];
+        turbulence_batch(points, visible, x);
+        turbulence_beside(offset1, y), turbulence_beside(offset2, z);
+        for (int lane = 0; lane < batch_size; ++lane)
+            points.set(lane, points.point(lane) + amount_ * Vector{x[lane], y[lane], z[lane]});
+    }
+
+    // How far octaves move a point that move each coordinate by at most the amount.
+    double amount_of_all() const { return std::sqrt(3.0) * amount_; }
 
     // A gradient at q(p), of a relief or of what is 0 on a boundary, as the gradient at p: by the chain rule, the
     // transpose of q's derivative times it.

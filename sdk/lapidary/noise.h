@@ -223,6 +223,9 @@ struct alignas(64) CornerBatch {
 
 }  // namespace noise_detail
 
+// From so many points on, noise of a whole batch costs less than that of one after the other.
+inline constexpr int points_worth_batch = 8;
+
 // noise() of many points, whose number is a multiple of four.
 inline void noise_batch(const PointBatch& points, int count, double* values) {
     using namespace noise_detail;

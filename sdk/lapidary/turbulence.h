@@ -47,8 +47,7 @@ inline constexpr double frequencies[octaves_at_once] = {1, 2, 4, 8};
 inline void add_octaves(const std::array<Point, 3>& places, double scale, int count, Triple& sums) {
     PointBatch points;
     for (int lane = 0; lane < lanes; ++lane) {
-        const Point p = scaled(places[lane / octaves_at_once], scale * frequencies[lane % octaves_at_once]);
-        points.x[lane] = p.x, points.y[lane] = p.y, points.z[lane] = p.z;
+        points.set(lane, scaled(places[lane / octaves_at_once], scale * frequencies[lane % octaves_at_once]));
     }
     double heights[lanes];
     noise_batch(points, lanes, heights);
@@ -83,6 +82,44 @@ inline int visible_octaves(int n, double amount, double footprint) {
     int count = 0;
     for (; count < n && stray >= unseen; ++count) stray /= 2;
     return count;
+}
+
+// The same for a batch of places.
+struct alignas(64) VisibleOctaves {
+    // Of n octaves; what is told of all together is told of the lanes that are asked for.
+    VisibleOctaves(int n, double amount, const double* __restrict footprints, unsigned lanes) : of(n) {
+        for (double& seen : count) seen = 0;
+        double stray = std::fabs(amount) * 2 * noise_bound;
+        for (int i = 0; i < n; ++i, stray /= 2)
+            for (int lane = 0; lane < batch_size; ++lane) count[lane] += stray >= footprints[lane] / 16 ? 1 : 0;
+        for_each_lane(lanes, [&](int lane) {
+            const int seen = static_cast<int>(count[lane]);
+            most = std::max(most, seen), faded += n - seen;
+        });
+    }
+    double count[batch_size];
+    int of, most = 0, faded = 0;
+};
+
+// T at a batch of points: the octaves that are visible at each, the rest replaced by their mean.
+inline void turbulence_batch(const PointBatch& points, const VisibleOctaves& visible, double* __restrict sums) {
+    double rest[batch_size];  // the height of the first octave that is not seen
+    for (int lane = 0; lane < batch_size; ++lane) sums[lane] = 0, rest[lane] = 1;
+    double scale = 1, height = 1;
+    for (int i = 0; i < visible.most; ++i, scale *= 2, height /= 2) {
+        PointBatch finer;
+        for (int lane = 0; lane < batch_size; ++lane) finer.set(lane, scaled(points.point(lane), scale));
+        double values[batch_size];
+        noise_batch(finer, batch_size, values);
+        for (int lane = 0; lane < batch_size; ++lane) {
+            const bool is_seen = i < visible.count[lane];
+            sums[lane] += is_seen ? std::fabs(values[lane]) * height : 0;
+            rest[lane] = is_seen ? height / 2 : rest[lane];
+        }
+    }
+    count_faded_octaves(visible.faded);
+    const double end = std::ldexp(1, -visible.of);
+    for (int lane = 0; lane < batch_size; ++lane) sums[lane] += mean_absolute_noise * 2 * (rest[lane] - end);
 }
 
 // T with its gradient (of one side, where an octave passes 0).

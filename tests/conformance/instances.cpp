@@ -105,6 +105,33 @@ std::unique_ptr<Light> random_light(const Plugin& plugin, Random& random) {
     return light;
 }
 
+namespace {
+
+// Of a kind without children, where nothing may nest.
+MaterialPtr random_child(Random& random, int depth) {
+    const auto keywords = registry().keywords(PluginKind::material);
+    for (;;) {
+        const auto chosen = static_cast<std::size_t>(random.below(static_cast<int>(keywords.size())));
+        const Plugin& child = plugin(PluginKind::material, keywords[chosen]);
+        if (depth > 0 || child.schema().children().empty()) return random_material(child, random, depth);
+    }
+}
+
+}  // namespace
+
+MaterialPtr random_material(const Plugin& plugin, Random& random, int depth) {
+    std::shared_ptr<Material> material = plugin.create_material();
+    void* target = dynamic_cast<void*>(material.get());
+    for (const ChildSchema& slot : plugin.schema().children()) {
+        if (slot.optional && random.below(2) == 0) continue;
+        for (int i = 0; i < (slot.repeats ? 2 : 1); ++i) slot.assign(target, random_child(random, depth - 1));
+    }
+    const PropertySchema* relief = plugin.schema().find("relief");
+    if (relief && random.below(3) == 0) relief->assign(target, {text_value("noise"), number_value(random.magnitude(-1, 1))});
+    randomize(target, plugin.schema(), random);
+    return material;
+}
+
 std::string describe(const void* object, const SchemaBase& schema) {
     std::ostringstream text;
     text.precision(17);

@@ -41,6 +41,8 @@ void randomize(void* object, const SchemaBase& schema, Random& random);
 
 std::unique_ptr<Object> random_object(const Plugin& plugin, Random& random);
 std::unique_ptr<Light> random_light(const Plugin& plugin, Random& random);
+// With children of any kind, nested so deep at most.
+MaterialPtr random_material(const Plugin& plugin, Random& random, int depth);
 
 // What an instance looks like, for the report of a failure.
 std::string describe(const void* object, const SchemaBase& schema);
