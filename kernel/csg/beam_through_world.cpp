@@ -5,14 +5,20 @@
 
 namespace lapidary {
 
-BeamThroughWorld::BeamThroughWorld(const World& world) : world_(world), reach_(world.hierarchy.reach()) {
-    part_.unbounded = world.unbounded;
-}
+BeamThroughWorld::BeamThroughWorld(const World& world) : world_(world), reach_(world.hierarchy.reach()) {}
 
 void BeamThroughWorld::begin_tile(const Beam* beam) {
     tile_.clear(), part_.bounded.clear();
     part_.are_known = false;
     tile_is_known_ = beam && list_tile(*beam);
+    if (tile_is_known_) keep_unbounded(world_.unbounded, *beam, unbounded_of_tile_);
+}
+
+void BeamThroughWorld::keep_unbounded(const std::vector<std::int32_t>& solids, const Beam& beam,
+                                      std::vector<std::int32_t>& kept) const {
+    kept.clear();
+    for (const std::int32_t solid : solids)
+        if (!beam.runs_away_from(world_.box_of(world_.solids[static_cast<std::size_t>(solid)].root))) kept.push_back(solid);
 }
 
 // False where there are too many.
@@ -40,6 +46,7 @@ void BeamThroughWorld::begin_part(const Beam* beam, bool in_quarters) {
         if (part_.bounded.size() == most_of_part) return;
         part_.bounded.push_back(solid);
     }
+    keep_unbounded(unbounded_of_tile_, *beam, part_.unbounded);
     part_.are_known = true;
     if (in_quarters && part_.bounded.size() > 1 && part_.bounded.size() <= most_by_quarters) divide_part(*beam);
 }

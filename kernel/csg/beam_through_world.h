@@ -34,11 +34,14 @@ private:
     static constexpr std::size_t most_by_quarters = 6;
 
     bool list_tile(const Beam& beam);
+    // Of the unbounded solids, those that the beam does not run away from.
+    void keep_unbounded(const std::vector<std::int32_t>& solids, const Beam& beam, std::vector<std::int32_t>& kept) const;
     void divide_part(const Beam& beam);
 
     const World& world_;
     double reach_;
     std::vector<SolidInReach> tile_;
+    std::vector<std::int32_t> unbounded_of_tile_;
     bool tile_is_known_ = false;
     SolidsInReach part_;
 };

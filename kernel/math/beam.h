@@ -9,15 +9,37 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/math/bounds.h"
 #include "kernel/math/vector.h"
 
 namespace lapidary {
 
 struct Beam {
     Point eye;
-    std::array<Vector, 4> inward;  // normals of the planes, not shorter than 1
-    Vector middle;                 // along the middle of the rectangle
-    Vector to_right, to_top;       // normals of the planes that divide it there in quarters, like the others
+    std::array<Vector, 4> inward;    // normals of the planes, not shorter than 1
+    Vector middle;                   // along the middle of the rectangle, not shorter than 1
+    Vector half_width, half_height;  // directions of rays: middle + a half_width + b half_height, a and b from -1 to 1
+    Vector to_right, to_top;         // normals of the planes that divide it there in quarters, like the others
+
+    // Whether in some coordinate the eye lies beside a box, and all rays run away from it: then none meets the box, even if it is
+    // infinite. (Such a box lies behind the eye, too, where planes through the eye tell nothing.)
+    bool runs_away_from(const Bounds& box) const {
+        return runs_away(box.low.x, box.high.x, &Vector::x, eye.x) || runs_away(box.low.y, box.high.y, &Vector::y, eye.y) ||
+               runs_away(box.low.z, box.high.z, &Vector::z, eye.z);
+    }
+
+private:
+    // All rays run the same way in this coordinate, from `start` on, and the box lies the other way. What rounding may do to
+    // places and to directions is allowed for.
+    bool runs_away(double low, double high, double Vector::*coordinate, double start) const {
+        constexpr double rounding = 0x1p-44;
+        const double pace = middle.*coordinate;
+        const double variation = std::fabs(half_width.*coordinate) + std::fabs(half_height.*coordinate);
+        if (!(std::fabs(pace) > variation + rounding * largest_magnitude(middle))) return false;
+        const double side = pace > 0 ? high : low;
+        const double behind = pace > 0 ? start - side : side - start;
+        return behind > rounding * (largest_magnitude(eye) + std::fabs(side));
+    }
 };
 
 // A beam among boxes that are given relative to an anchor.

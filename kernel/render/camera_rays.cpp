@@ -149,6 +149,8 @@ std::optional<Beam> CameraRays::beam(double x0, double y0, double x1, double y1)
     set_plane(beam.inward[3], -1, view_.up, top + margin, forward);
     const double middle = 0.5 * (left + right), level = 0.5 * (bottom + top);
     beam.middle = forward + middle * view_.right + level * view_.up;
+    beam.half_width = (0.5 * (right - left) + margin) * view_.right;
+    beam.half_height = (0.5 * (top - bottom) + margin) * view_.up;
     set_plane(beam.to_right, 1, view_.right, middle, forward), set_plane(beam.to_top, 1, view_.up, level, forward);
     return found;
 }

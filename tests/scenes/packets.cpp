@@ -122,8 +122,14 @@ TEST_CASE("Rays are spared where nothing is in reach, and only there") {
     std::size_t spared = 0;
     CHECK(differences(head + balls + "}", &spared) == 0);
     CHECK(spared > std::size_t{columns} * rows / 4);
-    CHECK(differences(head + balls + "halfspace { transform { translate(0, -5, 0); } } }", &spared) == 0);
-    CHECK(spared == 0);
+    const std::size_t spared_beside_balls = spared;
+    CHECK(differences(head + balls + "halfspace { transform { rotx(180deg); translate(0, 5, 0); } } }", &spared) == 0);
+    CHECK(spared > 0);  // below the horizon
+    CHECK(spared < spared_beside_balls);
+    for (const std::string place : {"translate(0, -5, 0);", "rotz(190deg); translate(0, 5, 0);", "translate(0, 50, 0);"}) {
+        CHECK(differences(head + balls + "halfspace { transform { " + place + " } } }", &spared) == 0);
+        CHECK(spared == 0);
+    }
     CHECK(differences(head + balls + "plane { transform { translate(0, -5, 0); } } }", &spared) == 0);
     CHECK(spared == 0);
     const std::string from_inside =

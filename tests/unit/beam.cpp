@@ -118,6 +118,41 @@ TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray
     CHECK(in_one_quarter > 0.95 * narrow);
 }
 
+TEST_CASE("A beam runs away from no endless box that one of its rays comes into, and from most that none does") {
+    std::mt19937 random(13);
+    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    int lost = 0, missed_by_all = 0, left_behind = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double size = std::pow(10, number(-6, 6));
+        const Camera view = view_from_within(size, number);
+        const CameraRays camera(view, 640, 480);
+        const double x0 = number(0, 600), y0 = number(0, 440), width = number(0, 40), height = number(0, 40);
+        const auto beam = camera.beam(x0, y0, x0 + width, y0 + height);
+        REQUIRE(beam);
+
+        // What is on one side of a plane across an axis, near the eye or far from it; the beam may run along the plane.
+        double Point::*const at = std::array{&Point::x, &Point::y, &Point::z}[random() % 3];
+        double Vector::*const along = at == &Point::x ? &Vector::x : at == &Point::y ? &Vector::y : &Vector::z;
+        const double side = view.location.*at + size * std::pow(10, number(-12, 3)) * (random() % 2 ? 1 : -1);
+        const bool is_above = random() % 2;
+        Bounds box = Bounds::everything();
+        Point& corner = is_above ? box.low : box.high;
+        corner.*at = side;
+
+        bool meets = is_above ? view.location.*at >= side : view.location.*at <= side;
+        for (int ray = 0; ray < 9; ++ray) {
+            const double pace = camera.ray(x0 + width * (ray % 3) / 2, y0 + height * (ray / 3) / 2).direction.*along;
+            meets |= is_above ? pace > 0 : pace < 0;
+        }
+        const bool runs_away = beam->runs_away_from(box);
+        lost += meets && runs_away;
+        missed_by_all += !meets, left_behind += runs_away;
+    }
+    CHECK(lost == 0);
+    CHECK(missed_by_all > 4000);
+    CHECK(left_behind > 0.95 * missed_by_all);
+}
+
 TEST_CASE("There is no beam through a lens, nor of parallel rays") {
     Camera lens;
     lens.aperture = 0.1, lens.points = 0;
