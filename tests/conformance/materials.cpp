@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "conformance/instances.h"
 #include "kernel/scene/placed_material.h"
@@ -36,7 +37,8 @@ SiteBatch random_sites(Random& random) {
         sites.footprint[lane] = random.below(2) == 0 ? 0 : random.magnitude(-4, 1);
     }
     if (random.below(2) == 0) std::fill_n(sites.footprint, batch_size, random.magnitude(-4, 1));
-    constexpr double odd_coordinates[] = {0, -0.0, 7, 0x1p40, -1e300, infinity, std::nan("")};
+    constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+    constexpr double odd_coordinates[] = {0, -0.0, 7, 0x1p40, -1e300, infinity, no_number};
     if (random.below(3) == 0) sites.points.y[random.below(batch_size)] = odd_coordinates[random.below(7)];
     return sites;
 }
