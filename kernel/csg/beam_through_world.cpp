@@ -28,11 +28,14 @@ bool BeamThroughWorld::list_tile(const Beam& beam) {
     const DepthInBeam depth(beam, anchor, reach_);
     const bool is_complete = for_each_in_reach(world_, among_boxes, [&](const auto& low, const auto& high, std::int32_t solid) {
         if (tile_.size() == most_of_tile) return false;
-        tile_.push_back({low, high, solid, depth(low, high)});
+        tile_.push_back({low, high, solid, {}, depth(low, high)});
         return true;
     });
+    if (!is_complete) return false;
+    for (SolidInReach& solid : tile_) solid.ball = ball_of(world_, solid.solid);
+    std::erase_if(tile_, [&](const SolidInReach& solid) { return !among_boxes.may_meet(solid.ball); });
     std::sort(tile_.begin(), tile_.end(), [](const SolidInReach& a, const SolidInReach& b) { return a.depth < b.depth; });
-    return is_complete;
+    return true;
 }
 
 void BeamThroughWorld::begin_part(const Beam* beam, bool in_quarters) {
@@ -42,7 +45,7 @@ void BeamThroughWorld::begin_part(const Beam* beam, bool in_quarters) {
     const Point anchor = world_.hierarchy.anchor();
     const BeamAmongBoxes part(*beam, anchor, reach_);
     for (const SolidInReach& solid : tile_) {
-        if (!part.may_meet(solid.low, solid.high)) continue;
+        if (!part.may_meet(solid.ball) || !part.may_meet(solid.low, solid.high)) continue;
         if (part_.bounded.size() == most_of_part) return;
         part_.bounded.push_back(solid);
     }
@@ -53,7 +56,7 @@ void BeamThroughWorld::begin_part(const Beam* beam, bool in_quarters) {
 
 void BeamThroughWorld::divide_part(const Beam& beam) {
     const QuartersOfBeam quarters(beam, world_.hierarchy.anchor(), reach_);
-    for (SolidInReach& solid : part_.bounded) solid.quarters = quarters.that_may_meet(solid.low, solid.high);
+    for (SolidInReach& solid : part_.bounded) solid.quarters = quarters.that_may_meet(solid.low, solid.high, solid.ball);
 }
 
 }  // namespace lapidary

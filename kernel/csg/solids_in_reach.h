@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernel/math/ball.h"
 #include "kernel/prepare/world.h"
 
 namespace lapidary {
@@ -15,6 +16,7 @@ namespace lapidary {
 struct SolidInReach {
     std::array<float, 3> low, high;
     std::int32_t solid;
+    Ball ball;                     // that the solid lies in, too
     double depth;                  // no ray meets the box before it has come as far
     unsigned quarters = all_rays;  // what part of the rays may meet it, where they are divided
 
@@ -26,6 +28,14 @@ struct SolidsInReach {
     std::vector<SolidInReach> bounded;  // by depth
     std::vector<std::int32_t> unbounded;
 };
+
+// The ball that a solid lies in, relative to the anchor of the World's hierarchy, where one is known.
+inline Ball ball_of(const World& world, std::int32_t number) {
+    const Solid& solid = world.solids[number];
+    if (solid.ball < 0) return {};
+    const Leaf& leaf = world.leaves[solid.first_leaf + solid.ball];
+    return Ball::around(leaf.anchor(), leaf.radius(), world.hierarchy.anchor());
+}
 
 // Calls visit(low, high, solid) for the bounded solids whose boxes `region` may meet, until it answers false; whether it never
 // did.

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/math/ball.h"
 #include "kernel/math/bounds.h"
 #include "kernel/math/vector.h"
 
@@ -52,8 +53,8 @@ public:
         const double slack = rounding_of(beam, anchor, reach);
         for (std::size_t i = 0; i < sides_.size(); ++i) {
             const Vector& inward = beam.inward[i];
-            const double length = std::fabs(inward.x) + std::fabs(inward.y) + std::fabs(inward.z);
-            sides_[i] = {inward, dot(inward, eye) - slack * length};
+            const double sum = std::fabs(inward.x) + std::fabs(inward.y) + std::fabs(inward.z);
+            sides_[i] = {inward, dot(inward, eye) - slack * sum, length(inward)};
         }
     }
 
@@ -62,6 +63,13 @@ public:
     bool may_meet(const Corner& low, const Corner& high) const {
         for (const Side& side : sides_)
             if (furthest(side.inward, low, high) < side.begin) return false;
+        return true;
+    }
+
+    // The same of a ball, which reaches as far along every normal as its radius.
+    bool may_meet(const Ball& ball) const {
+        for (const Side& side : sides_)
+            if (dot(side.inward, ball.centre) + ball.radius * side.length < side.begin) return false;
         return true;
     }
 
@@ -82,6 +90,7 @@ private:
     struct Side {
         Vector inward;
         double begin = 0;  // what dot(inward, p) is at least, inside
+        double length = 0;
     };
 
     std::array<Side, 4> sides_;
@@ -95,14 +104,14 @@ public:
     QuartersOfBeam(const Beam& beam, const Point& anchor, double reach)
         : right_(beam.to_right, beam, anchor, reach), top_(beam.to_top, beam, anchor, reach) {}
 
-    // Those whose rays may meet a box.
+    // Those whose rays may meet what lies in a box and in a ball.
     template <class Corner>
-    unsigned that_may_meet(const Corner& low, const Corner& high) const {
+    unsigned that_may_meet(const Corner& low, const Corner& high, const Ball& ball = {}) const {
         unsigned quarters = all;
-        if (right_.is_all_behind(low, high)) quarters &= top_left | bottom_left;
-        if (right_.is_all_before(low, high)) quarters &= top_right | bottom_right;
-        if (top_.is_all_behind(low, high)) quarters &= bottom_left | bottom_right;
-        if (top_.is_all_before(low, high)) quarters &= top_left | top_right;
+        if (right_.is_all_behind(low, high) || right_.is_all_behind(ball)) quarters &= top_left | bottom_left;
+        if (right_.is_all_before(low, high) || right_.is_all_before(ball)) quarters &= top_right | bottom_right;
+        if (top_.is_all_behind(low, high) || top_.is_all_behind(ball)) quarters &= bottom_left | bottom_right;
+        if (top_.is_all_before(low, high) || top_.is_all_before(ball)) quarters &= top_left | top_right;
         return quarters;
     }
 
@@ -110,9 +119,10 @@ private:
     // What lies behind the normal of a plane and what before it, rounding allowed for.
     class Divide {
     public:
-        Divide(const Vector& normal, const Beam& beam, const Point& anchor, double reach) : normal_(normal) {
-            const double length = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
-            const double slack = BeamAmongBoxes::rounding_of(beam, anchor, reach) * length, at = dot(normal, beam.eye - anchor);
+        Divide(const Vector& normal, const Beam& beam, const Point& anchor, double reach)
+            : normal_(normal), length_(length(normal)) {
+            const double sum = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
+            const double slack = BeamAmongBoxes::rounding_of(beam, anchor, reach) * sum, at = dot(normal, beam.eye - anchor);
             behind_ = at - slack, before_ = at + slack;
         }
         template <class Corner>
@@ -123,10 +133,12 @@ private:
         bool is_all_before(const Corner& low, const Corner& high) const {
             return -BeamAmongBoxes::furthest(-normal_, low, high) > before_;
         }
+        bool is_all_behind(const Ball& ball) const { return dot(normal_, ball.centre) + ball.radius * length_ < behind_; }
+        bool is_all_before(const Ball& ball) const { return dot(normal_, ball.centre) - ball.radius * length_ > before_; }
 
     private:
         Vector normal_;
-        double behind_, before_;
+        double length_, behind_, before_;
     };
 
     Divide right_, top_;

@@ -10,9 +10,12 @@
 // u: it holds on one side of a bound. The box is met where the bounds leave some u over.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
+#include "kernel/math/ball.h"
 #include "kernel/math/bounds.h"
 
 namespace lapidary {
@@ -31,6 +34,19 @@ public:
         high_sides_ = {side(-1, from_high.x + slack, to_high.x - from_high.x),
                        side(-1, from_high.y + slack, to_high.y - from_high.y),
                        side(-1, from_high.z + slack, to_high.z - from_high.z)};
+        from_ = {from_low, from_high, slack}, to_ = {to_low, to_high, slack};
+        way_ = to_.middle - from_.middle;
+        along_ = (1 / length_squared(way_)) * way_;
+    }
+
+    // Whether any way may meet a ball. None does where both ends lie behind one plane and the ball before it, as then all ways
+    // lie behind it. Whichever plane that is: tried is the one across the shortest line from the middle way to the ball.
+    bool may_meet(const Ball& ball) const {
+        constexpr double least = 1e-200;  // of squares that have all of their digits
+        const double part = std::clamp(dot(ball.centre - from_.middle, along_), 0.0, 1.0);
+        const Vector normal = ball.centre - from_.middle - part * way_;
+        const double squared = length_squared(normal), begin = dot(normal, ball.centre) - std::sqrt(squared) * ball.radius;
+        return !(begin > std::max(from_.furthest(normal), to_.furthest(normal))) || squared < least;
     }
 
     // Whether any way may meet a box. What is no number counts as met.
@@ -76,7 +92,23 @@ private:
     }
     static double size_of(const Bounds& box) { return largest_magnitude(box.low) + largest_magnitude(box.high); }
 
+    // A box by its middle, widened.
+    struct End {
+        Vector middle, half;
+
+        End() = default;
+        End(const Vector& low, const Vector& high, double by)
+            : middle(0.5 * (low + high)), half(0.5 * (high - low) + Vector{by, by, by}) {}
+
+        // How far its points lie along a vector at most.
+        double furthest(const Vector& along) const {
+            return dot(along, middle) + std::fabs(along.x) * half.x + std::fabs(along.y) * half.y + std::fabs(along.z) * half.z;
+        }
+    };
+
     std::array<Side, 3> low_sides_, high_sides_;
+    End from_, to_;
+    Vector way_, along_;  // from middle to middle; and what tells the part of the way that a place is at
 };
 
 }  // namespace lapidary

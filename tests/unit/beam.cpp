@@ -84,6 +84,54 @@ TEST_CASE("A beam meets every box that one of its rays meets, and none deeper th
     CHECK(kept_beside < beside / 10);  // next to nothing, but where places are far off and rounding has to be allowed for
 }
 
+TEST_CASE("A beam and its quarter meet every ball that one of their rays touches, and those aside are left out") {
+    std::mt19937 random(13);
+    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    int lost = 0, lost_by_quarter = 0, beside = 0, kept_beside = 0, in_one_quarter = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double size = std::pow(10, number(-6, 6));
+        const Camera view = view_from_within(size, number);
+        const CameraRays camera(view, 640, 480);
+        const double x0 = std::floor(number(0, 600)), y0 = std::floor(number(0, 440));  // a block of 8 x 8 pixels
+        const auto beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5);
+        REQUIRE(beam);
+
+        // Touched from any side, or straight from beyond a plane, by a ray at the edge of its quarter at times: small balls, and
+        // some far larger than all else.
+        const unsigned quarter = random() % 4;
+        const double x = x0 + (quarter % 2) * 4.0 + random() % 4 + 0.5, y = y0 + (quarter / 2) * 4.0 + random() % 4 + 0.5;
+        const double distance = size * std::pow(10, number(-6, 3)), radius = distance * std::pow(10, number(-9, 6));
+        const Point met = view.location + distance * camera.ray(x, y).direction;
+        const std::array sides{-beam->inward[random() % 4],
+                               beam->to_right,
+                               -beam->to_right,
+                               beam->to_top,
+                               -beam->to_top,
+                               Vector{number(-1, 1), number(-1, 1), number(-1, 1)}};
+        const Vector aside = normalize(sides[random() % sides.size()]);
+        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
+        const double reach = 4 * distance;
+        const Ball touched = Ball::around(met + radius * aside, radius, anchor);
+        lost += !BeamAmongBoxes(*beam, anchor, reach).may_meet(touched);
+        const Corner low{-INFINITY, -INFINITY, -INFINITY}, high{INFINITY, INFINITY, INFINITY};
+        const unsigned quarters = QuartersOfBeam(*beam, anchor, reach).that_may_meet(low, high, touched);
+        lost_by_quarter += (quarters & (1u << quarter)) == 0;
+
+        // A ball as far from the beam's rays as they run from the eye; and a speck between pixels that are wide beside rounding.
+        if (*view.angle > 0.3 || *view.angle < 1e-2) continue;
+        const Ball other = Ball::around(met + distance * (random() % 2 ? camera.right() : camera.up()), 0.1 * distance, anchor);
+        const Ball speck = Ball::around(met, 0, view.location);
+        ++beside;
+        kept_beside += BeamAmongBoxes(*beam, anchor, reach).may_meet(other);
+        in_one_quarter += QuartersOfBeam(*beam, view.location, reach).that_may_meet(low, high, speck) == 1u << quarter;
+    }
+    CHECK(lost == 0);
+    CHECK(lost_by_quarter == 0);
+    CHECK(beside > 2000);
+    CHECK(kept_beside < beside / 10);
+    CHECK(in_one_quarter > 0.95 * beside);
+}
+
 TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray meets, and those aside of it are left out") {
     std::mt19937 random(12);
     const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };

@@ -88,6 +88,43 @@ TEST_CASE("A box is met by a shaft just where it overlaps the box that the shaft
     CHECK(beside > 300);
 }
 
+TEST_CASE("A shaft meets every ball that a way from one end to the other touches") {
+    Random random;
+    int lost = 0;
+    for (int i = 0; i < 50000; ++i) {
+        const double size = std::pow(10, random.number(-120, 120));
+        const Bounds from = random.box(size, size * std::pow(10, random.number(-6, 0)));
+        const Bounds to = random.box(size, size * std::pow(10, random.number(-6, 0)));
+        const Point begin = random.point_within(from), end = random.point_within(to);
+        const Point touched = begin + random.number(0, 1) * (end - begin);
+        const Point anchor{random.number(-size, size), random.number(-size, size), random.number(-size, size)};
+        const double radius = size * std::pow(10, random.number(-9, 6));
+        const Vector aside = normalize(Vector{random.number(-1, 1), random.number(-1, 1), random.number(-1, 1)});
+        const ShaftAmongBoxes shaft(from, to, anchor, size);
+        lost += !shaft.may_meet(Ball::around(touched + radius * aside, radius, anchor)) || !shaft.may_meet(Ball{});
+    }
+    CHECK(lost == 0);
+}
+
+TEST_CASE("Between points, a shaft meets just the balls that are no farther from the line than their radius") {
+    Random random;
+    int wrong = 0, met = 0, beside = 0;
+    for (int i = 0; i < 10000; ++i) {
+        const Bounds from = random.box(1, 0), to = random.box(1, 0);
+        const Point centre = random.box(1.5, 0).low;
+        const double radius = random.number(0, 1);
+        const Vector way = to.low - from.low;
+        const double part = std::clamp(dot(centre - from.low, way) / dot(way, way), 0.0, 1.0);
+        const double distance = length(centre - (from.low + part * way));
+        const bool found = ShaftAmongBoxes(from, to, {0, 0, 0}, 2).may_meet(Ball::around(centre, radius, {0, 0, 0}));
+        wrong += found ? distance > radius + 1e-9 : distance < radius;
+        met += found, beside += !found;
+    }
+    CHECK(wrong == 0);
+    CHECK(met > 500);
+    CHECK(beside > 500);
+}
+
 TEST_CASE("A shaft tells half-spaces apart by their infinite boxes") {
     const ShaftAmongBoxes level({{-1, 0, -1}, {1, 0, 1}}, {{4, 3, 4}, {4, 3, 4}}, {0, 0, 0}, 10);
     const auto below = [&](double y) {
