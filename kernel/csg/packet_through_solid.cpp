@@ -117,15 +117,18 @@ double greater(double a, double b) { return a > b ? a : b; }
     return left;
 }
 
-// Lanes that were moved are lost where they went beyond their end.
-[[gnu::noinline]] void end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out, const Lanes& __restrict limit,
-                                 Lanes& __restrict t) {
+// Lanes that were moved are lost where they went beyond their end; returns how many are left of them.
+[[gnu::noinline]] std::int64_t end_lanes(const Lanes& __restrict moved, const Lanes& __restrict first_out,
+                                         const Lanes& __restrict limit, Lanes& __restrict t) {
+    std::int64_t left = 0;
     for (int i = 0; i < PacketThroughSolid::width; ++i) {
         const double at = t[i], end = first_out[i], most = limit[i], was_moved = moved[i];
         const double before_end = at < end ? at : infinity;
         const double remaining = at <= most ? before_end : infinity;
         t[i] = was_moved > 0 ? remaining : at;
+        left += both(was_moved > 0, remaining < infinity);
     }
+    return left;
 }
 
 bool is_near_end_of(double in, double out, double anchor) { return is_near_root(lesser(std::fabs(in), std::fabs(out)), anchor); }
@@ -314,46 +317,61 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
     }
     // By the time that the first negative leaf is looked at, it is there.
     if (solid.leaf_count > solid.positive_count) ask_for(&world_.leaves[solid.first_leaf + solid.positive_count]);
-    // All of the positive leaves: the last entry, while none has ended. Ends count where something is left of the leaves before,
-    // and those of a leaf that is alone are compared with nothing else.
     Lanes first_out;
-    const Asked asked{&t, &first_out, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
-    for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
-    std::int64_t alive = 1;
-    for (std::int32_t p = 0; p < solid.positive_count && alive > 0; ++p) {
-        Lanes in, out;
-        spans(solid.first_leaf + p, in, out, nullptr, asked);
-        alive = narrow(in, out, solid.first_leaf + p, solid.positive_count == 1, limit, t, first_out, leaf);
-    }
-    if (alive == 0 || solid.leaf_count == 1) return;
+    if (!enter_positive_leaves(solid, limit, only_compared, t, first_out, leaf) || solid.leaf_count == 1) return;
 
     asked_count_ = 0;
     if (solid.leaf_count > solid.positive_count) leave_negative_leaves(solid, limit, first_out, t, leaf);
     reconsider_doubtful(solid, first_out, t, leaf);
 }
 
+// Into all of the positive leaves: the last entry, while none has ended; whether anything is left. Ends count where something is
+// left of the leaves before, and those of a leaf that is alone are compared with nothing else.
+bool PacketThroughSolid::enter_positive_leaves(const Solid& solid, const Lanes& limit, bool only_compared, Lanes& t,
+                                               Lanes& first_out, LeafLanes& leaf) {
+    const Asked asked{&t, &first_out, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
+    for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
+    for (std::int32_t p = 0; p < solid.positive_count; ++p) {
+        Lanes in, out;
+        spans(solid.first_leaf + p, in, out, nullptr, asked);
+        if (narrow(in, out, solid.first_leaf + p, solid.positive_count == 1, limit, t, first_out, leaf) == 0) return false;
+    }
+    return true;
+}
+
 // Out of the negative leaves, until none holds any lane.
 void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t,
                                                LeafLanes& leaf) {
     ++stamp_;
-    const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
+    const bool is_alone = solid.leaf_count == solid.positive_count + 1;
     Lanes unsettled;
     unsettled.v.fill(1);
-    for (bool any_moved = true; any_moved;) {
+    std::int32_t left_last = none_left;
+    do {
         find_positions(origins_, rays_->direction, solid.rounding, t, unsettled, positions_);
-        const Bounds& around = positions_.around;
         unsettled.v.fill(0);
-        any_moved = false;
-        const auto visit = [&](std::int32_t n) { any_moved |= leave_negative_leaf(n, first_negative + n, t, unsettled, leaf); };
-        if (solid.first_negative_block >= 0) {
-            for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around,
-                                 anchor_of_blocks(world_.box_of(solid.root)), visit);
-        } else {
-            for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
-                if (around.overlaps(world_.leaves[first_negative + n].bounds())) visit(n);
-        }
-        if (any_moved) end_lanes(unsettled, first_out, limit, t);
+        left_last = leave_negative_leaves_once(solid, left_last, t, unsettled, leaf);
+    } while (left_last != none_left && end_lanes(unsettled, first_out, limit, t) > 0 && !is_alone);
+}
+
+// Each of those once that hold lanes at positions_; returns which one was left last, if any. That of the time before holds no
+// lane now: it let go of all that it held, no other moved any since, and leaves are met in one piece.
+std::int32_t PacketThroughSolid::leave_negative_leaves_once(const Solid& solid, std::int32_t left_before, Lanes& t, Lanes& moved,
+                                                            LeafLanes& leaf) {
+    const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
+    const Bounds& around = positions_.around;
+    std::int32_t left_last = none_left;
+    const auto visit = [&](std::int32_t n) {
+        if (n != left_before && leave_negative_leaf(n, first_negative + n, t, moved, leaf)) left_last = n;
+    };
+    if (solid.first_negative_block >= 0) {
+        for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around,
+                             anchor_of_blocks(world_.box_of(solid.root)), visit);
+    } else {
+        for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
+            if (around.overlaps(world_.leaves[first_negative + n].bounds())) visit(n);
     }
+    return left_last;
 }
 
 // Moves lanes that a negative leaf holds to its exit; whether there were any.

@@ -89,7 +89,12 @@ private:
     bool is_convex(const SurfaceUse& use) const;
     bool all_pass_beside(const Solid& solid, const Lanes& limit) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared);
+    bool enter_positive_leaves(const Solid& solid, const Lanes& limit, bool only_compared, Lanes& t, Lanes& first_out,
+                               LeafLanes& leaf);
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
+    static constexpr std::int32_t none_left = -1;
+    std::int32_t leave_negative_leaves_once(const Solid& solid, std::int32_t left_before, Lanes& t, Lanes& moved,
+                                            LeafLanes& leaf);
     void reconsider_doubtful(const Solid& solid, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     static void find_origins(const RayPacket& rays, Origins& origins);
     static void find_positions(const Origins& origins, const VectorLanes& direction, double rounding, const Lanes& t,
