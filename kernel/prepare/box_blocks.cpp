@@ -13,19 +13,36 @@ public:
     Builder(std::span<const Bounds> boxes, const Point& anchor, std::vector<BoxBlock>& blocks)
         : boxes_(boxes), anchor_(anchor), blocks_(blocks) {}
 
-    // A block over the given boxes: of each one, or of blocks that are full but for the last.
+    // A block over the given boxes: of each one, or of blocks that are full but for the last. Where these hold boxes, the largest
+    // ones stand beside them: within a block they would make it as large.
     std::int32_t build(std::span<std::int32_t> order) {
         const auto index = static_cast<std::int32_t>(blocks_.size());
         blocks_.emplace_back();
         std::size_t share = 1;
         while (share * BoxBlock::width < order.size()) share *= BoxBlock::width;
-        const std::size_t parts = (order.size() + share - 1) / share;
-        fill(index, order, share, parts);
+        const std::size_t largest = share == BoxBlock::width ? begin_with_largest(order) : 0;
+        for (std::size_t i = 0; i < largest; ++i) add(index, order.subspan(i, 1));
+        order = order.subspan(largest);
+        fill(index, order, share, (order.size() + share - 1) / share);
         for (int lane = blocks_[index].count; lane < BoxBlock::width; ++lane) set_box(index, lane, Bounds::empty());
         return index;
     }
 
 private:
+    // Of more boxes than a block has room for puts as many first as may stand in it beside blocks of the others, the largest
+    // ones; returns how many.
+    std::size_t begin_with_largest(std::span<std::int32_t> order) const {
+        constexpr std::size_t width = BoxBlock::width;
+        const std::size_t blocks = (order.size() - 2) / (width - 1), largest = width - blocks;
+        const auto size = [&](std::int32_t box) {
+            const Vector diagonal = boxes_[box].diagonal();
+            return diagonal.x + diagonal.y + diagonal.z;
+        };
+        std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(largest), order.end(),
+                         [&](std::int32_t a, std::int32_t b) { return size(a) > size(b); });
+        return largest;
+    }
+
     // Halves what stands in several parts, across the axis along which it extends most.
     void fill(std::int32_t index, std::span<std::int32_t> order, std::size_t share, std::size_t parts) {
         if (parts == 1) {
