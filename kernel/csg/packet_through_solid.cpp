@@ -197,6 +197,27 @@ template <class Origins>
     return beside;
 }
 
+// In how many lanes all from t to `end` lies in a ball for certain, rounding allowed for likewise: both ends do, as balls are
+// convex, or nothing is left. From the centre the ray starts at o, and at t is away by the root of |o|^2 + t (2 o.d + t).
+template <class Origins>
+[[gnu::noinline]] std::int64_t count_within_ball(const Origins& __restrict origins, const VectorLanes& __restrict direction,
+                                                 const Lanes& __restrict t, const Lanes& __restrict end, const Point& centre,
+                                                 double radius) {
+    constexpr double rounding = 0x1p-40, least = 1e-140;  // a radius whose square has all of its digits
+    const double size = largest_magnitude(centre);
+    std::int64_t within = 0;
+    for (int i = 0; i < PacketThroughSolid::width; ++i) {
+        const double x = origins.x[i] - centre.x, y = origins.y[i] - centre.y, z = origins.z[i] - centre.z;
+        const double twice = 2 * (x * direction.x[i] + y * direction.y[i] + z * direction.z[i]), first = t[i], last = end[i];
+        const double squared = (1 + rounding) * (x * x + y * y + z * z);
+        const double reach = radius - rounding * (size + origins.size[i]), most = reach > least ? reach * reach : 0;
+        const bool begins_within = squared + first * (twice + (1 + rounding) * first) < most;
+        const bool ends_within = squared + last * (twice + (1 + rounding) * last) < most;
+        within += either(!(first < infinity), both(begins_within, ends_within));
+    }
+    return within;
+}
+
 // From the least to the greatest.
 PacketThroughSolid::NumberRange range_of(const std::array<std::int32_t, PacketThroughSolid::width>& numbers) {
     PacketThroughSolid::NumberRange range{numbers[0], numbers[0]};
@@ -310,6 +331,12 @@ bool PacketThroughSolid::all_pass_beside(const Solid& solid, const Lanes& limit)
     return count_beside_ball(origins_, rays_->direction, limit, ball.anchor(), ball.radius()) == width;
 }
 
+// Whether what is left of every lane, from t to `end`, lies in a round leaf.
+bool PacketThroughSolid::are_within(std::int32_t index, const Lanes& t, const Lanes& end) const {
+    const Leaf& ball = world_.leaves[index];
+    return count_within_ball(origins_, rays_->direction, t, end, ball.anchor(), world_.inner_radius(ball)) == width;
+}
+
 void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared) {
     if (all_leave(solid, limit) || all_pass_beside(solid, limit)) {
         t.v.fill(infinity), leaf.fill(-1);
@@ -326,15 +353,20 @@ void PacketThroughSolid::enter_product(const Solid& solid, const Lanes& limit, L
 }
 
 // Into all of the positive leaves: the last entry, while none has ended; whether anything is left. Ends count where something is
-// left of the leaves before, and those of a leaf that is alone are compared with nothing else.
+// left of the leaves before, and those of a leaf that is alone are compared with nothing else. A ball that holds all that is left
+// narrows nothing; a hole that does leaves nothing.
 bool PacketThroughSolid::enter_positive_leaves(const Solid& solid, const Lanes& limit, bool only_compared, Lanes& t,
                                                Lanes& first_out, LeafLanes& leaf) {
     const Asked asked{&t, &first_out, only_compared && solid.leaf_count == 1 ? &limit : nullptr};
     for (int i = 0; i < width; ++i) t[i] = 0, first_out[i] = infinity, leaf[i] = -1;
     for (std::int32_t p = 0; p < solid.positive_count; ++p) {
+        if (p > 0 && p == solid.ball && are_within(solid.first_leaf + p, t, first_out)) continue;
         Lanes in, out;
         spans(solid.first_leaf + p, in, out, nullptr, asked);
         if (narrow(in, out, solid.first_leaf + p, solid.positive_count == 1, limit, t, first_out, leaf) == 0) return false;
+        if (p > 0 || solid.hole < 0 || !are_within(solid.first_leaf + solid.hole, t, first_out)) continue;
+        t.v.fill(infinity);
+        return false;
     }
     return true;
 }

@@ -91,6 +91,7 @@ private:
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared);
     bool enter_positive_leaves(const Solid& solid, const Lanes& limit, bool only_compared, Lanes& t, Lanes& first_out,
                                LeafLanes& leaf);
+    bool are_within(std::int32_t leaf, const Lanes& t, const Lanes& end) const;
     void leave_negative_leaves(const Solid& solid, const Lanes& limit, const Lanes& first_out, Lanes& t, LeafLanes& leaf);
     static constexpr std::int32_t none_left = -1;
     std::int32_t leave_negative_leaves_once(const Solid& solid, std::int32_t left_before, Lanes& t, Lanes& moved,

@@ -522,6 +522,7 @@ private:
         solid.positive_count = negative.empty() ? solid.leaf_count : leftmost_leaf(negative.front()) - solid.first_leaf;
         solid.is_product = true;
         find_ball(solid);
+        find_hole(solid);
         put_negative_leaves_into_blocks(solid);
     }
 
@@ -530,6 +531,17 @@ private:
         const std::int32_t count = std::min<std::int32_t>(solid.positive_count, INT8_MAX);
         for (std::int32_t p = 0; p < count && solid.ball < 0; ++p)
             if (world_.is_round(world_.leaves[solid.first_leaf + p])) solid.ball = static_cast<std::int8_t>(p);
+    }
+
+    // The first of its negative leaves that is a ball as large as the solid: rays run in it from end to end.
+    void find_hole(Solid& solid) const {
+        if (solid.leaf_count == solid.positive_count) return;
+        const std::int32_t count = std::min<std::int32_t>(solid.leaf_count, INT16_MAX);
+        const double size = 0.5 * length(world_.box_of(solid.root).diagonal());
+        for (std::int32_t n = solid.positive_count; n < count && solid.hole < 0; ++n) {
+            const Leaf& leaf = world_.leaves[solid.first_leaf + n];
+            if (world_.is_round(leaf) && world_.inner_radius(leaf) > size) solid.hole = static_cast<std::int16_t>(n);
+        }
     }
 
     // Whether a tree is of one operation only, on leaves of which each has one span on any line.

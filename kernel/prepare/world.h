@@ -149,6 +149,7 @@ struct Solid {
     // where opaque matter may lie hidden in transparent matter that comes first).
     enum class Shadow : std::uint8_t { blocks, clear, asked };
     Shadow shadow = Shadow::blocks;
+    std::int16_t hole = -1;  // of its negative leaves, a round one as large as it; -1: there is none
 };
 
 // A World of a hundred thousand solids takes half a kilobyte for each of them, of two leaves and of a colour of its own.
@@ -230,6 +231,11 @@ public:
     // Whether a leaf is a ball, to far less than the margin of Leaf::radius().
     bool is_round(const Leaf& leaf) const {
         return leaf.face_count == 1 && faces_of(leaf)[0].kind == Surface::Kind::sphere && leaf.placement.keeps_shapes();
+    }
+    // Of a ball, about its anchor, that lies in a round leaf, by a margin like that of Leaf::radius().
+    double inner_radius(const Leaf& leaf) const {
+        const auto& row = leaf.placement.linear()[0];
+        return (1 - 0x1p-38) * faces_of(leaf)[0].a * length(Vector{row[0], row[1], row[2]});
     }
 };
 

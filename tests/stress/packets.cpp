@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <numbers>
 #include <random>
 
 #include "kernel/csg/packet_through_world.h"
@@ -156,7 +157,69 @@ void graze_balls(Comparison& comparison, double scale, double distance, int coun
     }
 }
 
+// Cubes without their corners, each with a large ball taken out of it.
+constexpr double trimmed_to = 1.3, radius_of_hole = 2.4;
+constexpr Vector middle_of_hole{2.2, 0.3, 0};
+std::string hollowed(double scale, const Point& place, int count) {
+    std::mt19937 random(19);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    std::string text = "camera { } lights { ambient { } } objects {\n";
+    for (int i = 0; i < count; ++i)
+        text += fmt::format(
+            "subtraction {{ intersection {{ cube {{ }} sphere {{ radius({}); }} }}"
+            " sphere {{ radius({}); transform {{ translate({}, {}, {}); }} }}"
+            " transform {{ roty({}deg); scale({}); translate({}, {}, {}); }} }}\n",
+            trimmed_to, radius_of_hole, middle_of_hole.x, middle_of_hole.y, middle_of_hole.z, 90 * coordinate(random),
+            0.03 * scale, place.x + scale * coordinate(random), place.y + scale * coordinate(random),
+            place.z + scale * coordinate(random));
+    return text + "}";
+}
+
+// Rays into a trimmed cube right beside the rims where a face ends at the ball that it is cut with, or at the hole: what they run
+// through then lies in that ball but for next to nothing, or not quite.
+void pass_rims(Comparison& comparison, double scale, double distance, int count) {
+    std::mt19937 random(23);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    for (int k = 0; k < count; ++k) {
+        const Solid& solid = comparison.world().solids[random() % comparison.world().solids.size()];
+        const Transform& placement = comparison.world().leaves[static_cast<std::size_t>(solid.first_leaf)].placement;
+        const bool at_hole = k % 2 == 0;
+        for (int i = 0; i < width; ++i) {
+            // On the left face the rim is a circle; on the upper one, that of the hole runs along z.
+            const double angle = std::numbers::pi * coordinate(random), across = std::sqrt(trimmed_to * trimmed_to - 1),
+                         z = coordinate(random) / 2;
+            const double high = 1 - middle_of_hole.y, squared = radius_of_hole * radius_of_hole - high * high - z * z;
+            const Vector rim = at_hole ? Vector{middle_of_hole.x - std::sqrt(squared), 1, z}
+                                       : Vector{-1, across * std::cos(angle), across * std::sin(angle)};
+            const Vector middle = at_hole ? middle_of_hole : Vector{};
+            const double out = std::array{0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-5}[random() % 6] * (random() % 3 == 0 ? 1 : -1);
+            const Vector begin = middle + (1 + out) * (rim - middle);
+            const Vector end = at_hole ? Vector{0.5 + 0.3 * coordinate(random), -0.9, 0.3 * coordinate(random)}
+                                       : Vector{-0.5, 0.5 * coordinate(random), 0.5 * coordinate(random)};
+            const Point touched = placement.to_parent(to_point(begin));
+            const Vector direction = normalize(placement.to_parent(end - begin));
+            const double away = scale * distance * std::array{1.0, 1e-3, 0.0, -1e-3}[random() % 4];
+            comparison.add({touched - away * direction, direction, {}, {}}, std::fabs(away) * (1 + coordinate(random)));
+        }
+    }
+}
+
 }  // namespace
+
+TEST_CASE("packets take no more for what lies in a ball: scales and distances", "[packets]") {
+    for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20, 1e-90, 1e90})
+        for (const double offset : {0.0, 1e3})
+            for (const double distance : {0.1, 10.0, 1e6}) {
+                CAPTURE(scale, offset, distance);
+                Comparison comparison(hollowed(scale, {offset * scale, -offset * scale, 3 * offset * scale}, 10));
+                const bool fits_floats = scale > 1e-30 && scale < 1e30;  // else boxes say nothing about sizes
+                for (const Solid& solid : comparison.world().solids) REQUIRE((solid.hole >= 0) == fits_floats);
+                pass_rims(comparison, scale, distance, 60);
+                CHECK(comparison.met > 100);
+                CHECK(comparison.blocked > 20);
+                CHECK(comparison.different == 0);
+            }
+}
 
 TEST_CASE("packets lose no ball: scales and distances", "[packets]") {
     for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20, 1e-90, 1e90})

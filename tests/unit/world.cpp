@@ -163,6 +163,24 @@ TEST_CASE("a product knows the ball that it lies in") {
     CHECK(ball_of("subtraction { cube { } sphere { } }") == -1);
 }
 
+TEST_CASE("a product knows a hole that is as large as it") {
+    const auto hole_of = [](const std::string& solid) {
+        const auto built = test::build("lights { ambient { } } objects { " + solid + " }");
+        REQUIRE(built->scene);
+        const auto world = prepare_world(*built->scene, built->messages);
+        REQUIRE(world->solids.size() == 1);
+        const Solid& only = world->solids.front();
+        return only.hole < 0 ? -1 : world->inner_radius(world->leaves[only.first_leaf + only.hole]);
+    };
+    const auto is_about = [](double found, double radius) { return found <= radius && found > 0.99999 * radius; };
+    const std::string small = "sphere { radius(0.5); transform { translate(1, 0, 0); } } ";
+    CHECK(is_about(hole_of("subtraction { cube { } " + small + "sphere { radius(3); transform { translate(3, 0, 0); } } }"), 3));
+    CHECK(is_about(hole_of("subtraction { cube { } sphere { transform { rotz(30deg); scale(-2); translate(2, 0, 0); } } }"), 2));
+    CHECK(hole_of("subtraction { cube { } sphere { radius(1.7); transform { translate(1, 0, 0); } } }") == -1);
+    CHECK(hole_of("subtraction { cube { } sphere { transform { scale(3, 3, 3.001); translate(3, 0, 0); } } }") == -1);
+    CHECK(hole_of("cube { }") == -1);
+}
+
 TEST_CASE("a leaf that is neither turned nor scaled represents the surface that it shares") {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> angle(-180, 180), scale(0.5, 2), place(-9, 9);
