@@ -35,36 +35,70 @@ double reach_of(const RelativeBox& box) {
     return 2 * reach;
 }
 
-// From a place within `size` of the origin, anywhere; `number(low, high)` is random.
-template <class Number>
-Camera view_from_within(double size, Number number) {
+struct Random {
+    std::mt19937 engine;
+    unsigned operator()() { return static_cast<unsigned>(engine()); }
+    double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
+    Vector vector() {
+        const double x = number(-1, 1), y = number(-1, 1), z = number(-1, 1);
+        return {x, y, z};
+    }
+
+    // From a place within `size` of the origin, anywhere.
+    Camera view_from_within(double size) {
+        Camera view;
+        view.location = to_point(size * vector());
+        view.screen_centre = view.location + vector();
+        view.angle = std::pow(10, number(-9, 0));
+        return view;
+    }
+};
+
+constexpr int columns = 640, rows = 480;
+
+// The beam of a block of 8 x 8 pixels of any view, and a ray through the middle of a pixel of some quarter of it, one at the edge
+// of the quarter at times.
+struct Block {
+    explicit Block(Random& random)
+        : size(std::pow(10, random.number(-6, 6))), view(random.view_from_within(size)), camera(view, columns, rows) {
+        const double x0 = std::floor(random.number(0, 600)), y0 = std::floor(random.number(0, 440));
+        beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5).value();
+        quarter = random() % 4;
+        ray = camera.ray(x0 + (quarter & 1) * 4.0 + random() % 4 + 0.5, y0 + (quarter & 2) * 2.0 + random() % 4 + 0.5);
+        distance = size * std::pow(10, random.number(-6, 3));
+        met = view.location + distance * ray.direction;
+        anchor = view.location + distance * random.number(0, 2) * random.vector();
+    }
+    double size;
     Camera view;
-    view.location = {size * number(-1, 1), size * number(-1, 1), size * number(-1, 1)};
-    view.screen_centre = view.location + Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-    view.angle = std::pow(10, number(-9, 0));
-    return view;
-}
+    CameraRays camera;
+    Beam beam;
+    unsigned quarter;
+    Ray ray;
+    double distance;    // from the eye,
+    Point met, anchor;  // of a place on the ray
+};
 
 }  // namespace
 
 TEST_CASE("A beam meets every box that one of its rays meets, and none deeper than the ray, from any place and at any angle") {
-    std::mt19937 random(11);
-    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    Random random{std::mt19937(11)};
     int lost = 0, too_deep = 0, deep = 0, beside = 0, kept_beside = 0;
     for (int i = 0; i < 20000; ++i) {
-        const double size = std::pow(10, number(-6, 6));
-        const Camera view = view_from_within(size, number);
-        const CameraRays camera(view, 640, 480);
-        const double x0 = number(0, 600), y0 = number(0, 440), width = number(0, 40), height = number(0, 40);
+        const double size = std::pow(10, random.number(-6, 6));
+        const Camera view = random.view_from_within(size);
+        const CameraRays camera(view, columns, rows);
+        const double x0 = random.number(0, 600), y0 = random.number(0, 440), width = random.number(0, 40),
+                     height = random.number(0, 40);
         const auto beam = camera.beam(x0, y0, x0 + width, y0 + height);
         REQUIRE(beam);
 
         const double x = x0 + width * (random() % 3) / 2, y = y0 + height * (random() % 3) / 2;  // also at corners and edges
         const Ray ray = camera.ray(x, y);
-        const double distance = size * std::pow(10, number(-6, 3));
+        const double distance = size * std::pow(10, random.number(-6, 3));
         const Point met = view.location + distance * ray.direction;
-        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-        const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
+        const Point anchor = view.location + (distance * random.number(0, 2)) * random.vector();
+        const RelativeBox box = box_around(met, random.number(0, 0.01) * distance, anchor);
         const BeamAmongBoxes among_boxes(*beam, anchor, reach_of(box));
         lost += !among_boxes.may_meet(box.low, box.high);
         const double depth = DepthInBeam(*beam, anchor, reach_of(box))(box.low, box.high);
@@ -85,45 +119,32 @@ TEST_CASE("A beam meets every box that one of its rays meets, and none deeper th
 }
 
 TEST_CASE("A beam and its quarter meet every ball that one of their rays touches, and those aside are left out") {
-    std::mt19937 random(13);
-    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    Random random{std::mt19937(13)};
     int lost = 0, lost_by_quarter = 0, beside = 0, kept_beside = 0, in_one_quarter = 0;
     for (int i = 0; i < 20000; ++i) {
-        const double size = std::pow(10, number(-6, 6));
-        const Camera view = view_from_within(size, number);
-        const CameraRays camera(view, 640, 480);
-        const double x0 = std::floor(number(0, 600)), y0 = std::floor(number(0, 440));  // a block of 8 x 8 pixels
-        const auto beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5);
-        REQUIRE(beam);
-
-        // Touched from any side, or straight from beyond a plane, by a ray at the edge of its quarter at times: small balls, and
-        // some far larger than all else.
-        const unsigned quarter = random() % 4;
-        const double x = x0 + (quarter % 2) * 4.0 + random() % 4 + 0.5, y = y0 + (quarter / 2) * 4.0 + random() % 4 + 0.5;
-        const double distance = size * std::pow(10, number(-6, 3)), radius = distance * std::pow(10, number(-9, 6));
-        const Point met = view.location + distance * camera.ray(x, y).direction;
-        const std::array sides{-beam->inward[random() % 4],
-                               beam->to_right,
-                               -beam->to_right,
-                               beam->to_top,
-                               -beam->to_top,
-                               Vector{number(-1, 1), number(-1, 1), number(-1, 1)}};
+        const Block block(random);
+        const Beam& beam = block.beam;
+        // Touched from any side, or straight from beyond a plane: small balls, and some far larger than all else.
+        const double radius = block.distance * std::pow(10, random.number(-9, 6));
+        const std::array sides{
+            -beam.inward[random() % 4], beam.to_right, -beam.to_right, beam.to_top, -beam.to_top, random.vector()};
         const Vector aside = normalize(sides[random() % sides.size()]);
-        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-        const double reach = 4 * distance;
-        const Ball touched = Ball::around(met + radius * aside, radius, anchor);
-        lost += !BeamAmongBoxes(*beam, anchor, reach).may_meet(touched);
+        const double reach = 4 * block.distance;
+        const BeamAmongBoxes among_boxes(beam, block.anchor, reach);
+        const Ball touched = Ball::around(block.met + radius * aside, radius, block.anchor);
+        lost += !among_boxes.may_meet(touched);
         const Corner low{-INFINITY, -INFINITY, -INFINITY}, high{INFINITY, INFINITY, INFINITY};
-        const unsigned quarters = QuartersOfBeam(*beam, anchor, reach).that_may_meet(low, high, touched);
-        lost_by_quarter += (quarters & (1u << quarter)) == 0;
+        const unsigned quarters = QuartersOfBeam(beam, block.anchor, reach).that_may_meet(low, high, touched);
+        lost_by_quarter += (quarters & (1u << block.quarter)) == 0;
 
         // A ball as far from the beam's rays as they run from the eye; and a speck between pixels that are wide beside rounding.
-        if (*view.angle > 0.3 || *view.angle < 1e-2) continue;
-        const Ball other = Ball::around(met + distance * (random() % 2 ? camera.right() : camera.up()), 0.1 * distance, anchor);
-        const Ball speck = Ball::around(met, 0, view.location);
+        if (*block.view.angle > 0.3 || *block.view.angle < 1e-2) continue;
+        const Vector to_side = random() % 2 ? block.camera.right() : block.camera.up();
+        const Ball other = Ball::around(block.met + block.distance * to_side, 0.1 * block.distance, block.anchor);
+        const Ball speck = Ball::around(block.met, 0, block.view.location);
         ++beside;
-        kept_beside += BeamAmongBoxes(*beam, anchor, reach).may_meet(other);
-        in_one_quarter += QuartersOfBeam(*beam, view.location, reach).that_may_meet(low, high, speck) == 1u << quarter;
+        kept_beside += among_boxes.may_meet(other);
+        in_one_quarter += QuartersOfBeam(beam, block.view.location, reach).that_may_meet(low, high, speck) == 1u << block.quarter;
     }
     CHECK(lost == 0);
     CHECK(lost_by_quarter == 0);
@@ -133,33 +154,21 @@ TEST_CASE("A beam and its quarter meet every ball that one of their rays touches
 }
 
 TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray meets, and those aside of it are left out") {
-    std::mt19937 random(12);
-    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    Random random{std::mt19937(12)};
     int lost = 0, narrow = 0, in_one_quarter = 0;
     for (int i = 0; i < 20000; ++i) {
-        const double size = std::pow(10, number(-6, 6));
-        const Camera view = view_from_within(size, number);
-        const CameraRays camera(view, 640, 480);
-        const double x0 = std::floor(number(0, 600)), y0 = std::floor(number(0, 440));  // a block of 8 x 8 pixels
-        const auto beam = camera.beam(x0 + 0.5, y0 + 0.5, x0 + 7.5, y0 + 7.5);
-        REQUIRE(beam);
-
-        // Through the middle of a pixel of some quarter, one at the edge of it at times.
-        const unsigned quarter = random() % 4;
-        const double x = x0 + (quarter % 2) * 4.0 + random() % 4 + 0.5, y = y0 + (quarter / 2) * 4.0 + random() % 4 + 0.5;
-        const double distance = size * std::pow(10, number(-6, 3));
-        const Point met = view.location + distance * camera.ray(x, y).direction;
-        const Point anchor = view.location + (distance * number(0, 2)) * Vector{number(-1, 1), number(-1, 1), number(-1, 1)};
-        const RelativeBox box = box_around(met, number(0, 0.01) * distance, anchor);
-        const unsigned quarters = QuartersOfBeam(*beam, anchor, reach_of(box)).that_may_meet(box.low, box.high);
-        lost += (quarters & (1u << quarter)) == 0;
+        const Block block(random);
+        const RelativeBox box = box_around(block.met, random.number(0, 0.01) * block.distance, block.anchor);
+        const unsigned quarters = QuartersOfBeam(block.beam, block.anchor, reach_of(box)).that_may_meet(box.low, box.high);
+        lost += (quarters & (1u << block.quarter)) == 0;
 
         // Pixels that are wide beside the rounding of floats: what is next to nothing lies in one quarter.
-        if (*view.angle < 1e-2) continue;
-        const RelativeBox speck = box_around(met, 0, view.location);
+        if (*block.view.angle < 1e-2) continue;
+        const Point& eye = block.view.location;
+        const RelativeBox speck = box_around(block.met, 0, eye);
         ++narrow;
         in_one_quarter +=
-            QuartersOfBeam(*beam, view.location, reach_of(speck)).that_may_meet(speck.low, speck.high) == 1u << quarter;
+            QuartersOfBeam(block.beam, eye, reach_of(speck)).that_may_meet(speck.low, speck.high) == 1u << block.quarter;
     }
     CHECK(lost == 0);
     CHECK(narrow > 3000);
@@ -167,31 +176,32 @@ TEST_CASE("The quarter of a beam that a ray lies in meets every box that the ray
 }
 
 TEST_CASE("A beam runs away from no endless box that one of its rays comes into, and from most that none does") {
-    std::mt19937 random(13);
-    const auto number = [&random](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    Random random{std::mt19937(13)};
     int lost = 0, missed_by_all = 0, left_behind = 0;
     for (int i = 0; i < 20000; ++i) {
-        const double size = std::pow(10, number(-6, 6));
-        const Camera view = view_from_within(size, number);
-        const CameraRays camera(view, 640, 480);
-        const double x0 = number(0, 600), y0 = number(0, 440), width = number(0, 40), height = number(0, 40);
+        const double size = std::pow(10, random.number(-6, 6));
+        const Camera view = random.view_from_within(size);
+        const CameraRays camera(view, columns, rows);
+        const double x0 = random.number(0, 600), y0 = random.number(0, 440), width = random.number(0, 40),
+                     height = random.number(0, 40);
         const auto beam = camera.beam(x0, y0, x0 + width, y0 + height);
         REQUIRE(beam);
 
         // What is on one side of a plane across an axis, near the eye or far from it; the beam may run along the plane.
         double Point::*const at = std::array{&Point::x, &Point::y, &Point::z}[random() % 3];
         double Vector::*const along = at == &Point::x ? &Vector::x : at == &Point::y ? &Vector::y : &Vector::z;
-        const double side = view.location.*at + size * std::pow(10, number(-12, 3)) * (random() % 2 ? 1 : -1);
+        const double side = view.location.*at + size * std::pow(10, random.number(-12, 3)) * (random() % 2 ? 1 : -1);
         const bool is_above = random() % 2;
         Bounds box = Bounds::everything();
         Point& corner = is_above ? box.low : box.high;
         corner.*at = side;
 
         bool meets = is_above ? view.location.*at >= side : view.location.*at <= side;
-        for (int ray = 0; ray < 9; ++ray) {
-            const double pace = camera.ray(x0 + width * (ray % 3) / 2, y0 + height * (ray / 3) / 2).direction.*along;
-            meets |= is_above ? pace > 0 : pace < 0;
-        }
+        for (const double right : {0.0, 0.5, 1.0})
+            for (const double down : {0.0, 0.5, 1.0}) {
+                const double pace = camera.ray(x0 + width * right, y0 + height * down).direction.*along;
+                meets |= is_above ? pace > 0 : pace < 0;
+            }
         const bool runs_away = beam->runs_away_from(box);
         lost += meets && runs_away;
         missed_by_all += !meets, left_behind += runs_away;
