@@ -27,9 +27,10 @@ constexpr std::uint32_t first_samples_of_left_over = 16;  // what even the fines
 // takes four, and so does a lens, through which everything is spread thin.
 constexpr std::uint32_t first_samples_of_coarse_picture = 2;
 constexpr double least_coarse_error = 0.01;
-// For still larger ones, the middles of the pixels and edges between them will do. A pattern that repeats with the pixels can
-// hide from them, which would matter to smaller errors.
-constexpr double least_error_from_middles = 0.02;
+// Even for these, the middles of the pixels and edges between them will do where rays go straight on. A pattern that repeats
+// with the pixels can hide from them, which would matter to smaller errors. What is seen through glass is tangled, and edges in
+// it are worth following for large errors only.
+constexpr double least_error_from_middles = least_coarse_error, least_error_from_middles_through_glass = 0.1;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known
@@ -70,8 +71,8 @@ void store_channels(const ChannelsOfBlock& channels, float* corner, std::ptrdiff
 bool is_coarse(const SamplingPlan& plan) { return plan.error >= least_coarse_error && !plan.refine_until_time_is_up; }
 
 bool may_begin_with_middles(const SamplingPlan& plan, const CameraRays& camera, const PixelFilter& filter) {
-    return is_coarse(plan) && plan.error >= least_error_from_middles && filter.is_pixel() && !camera.has_lens() &&
-           !plan.lights_are_sampled;
+    const double least_error = plan.rays_are_bent ? least_error_from_middles_through_glass : least_error_from_middles;
+    return is_coarse(plan) && plan.error >= least_error && filter.is_pixel() && !camera.has_lens() && !plan.lights_are_sampled;
 }
 
 // Enough even for a pixel of black and white noise, in which the error falls no faster than 1/2 n^-1/2.

@@ -56,6 +56,7 @@ struct SamplingPlan {
     double error = 0.004;                  // where samples is 0
     bool refine_until_time_is_up = false;  // as good as the time allows, with samples 0
     bool lights_are_sampled = false;       // what a ray brings back depends on its number, too
+    bool rays_are_bent = false;            // something is transparent
 };
 
 LAPIDARY_API SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options);

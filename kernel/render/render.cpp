@@ -37,11 +37,12 @@ RenderReport render(const World& world, const Scene& scene, Frame& frame, const 
     const StandardArithmetic standard;
     const CameraRays camera(scene.camera, frame.width(), frame.height());
     const PixelFilter filter(scene.render.filter, scene.render.filter_radius.value_or(default_radius(scene.render.filter)));
+    SamplingPlan plan = plan_sampling(scene, options);
     const auto make_integrand = [&] {
         return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options);
     };
-    SamplingPlan plan = plan_sampling(scene, options);
     plan.lights_are_sampled = world.features.extended_lights;
+    plan.rays_are_bent = world.features.transparency;
     return render_passes(make_integrand, camera, filter, plan, frame, options);
 }
 

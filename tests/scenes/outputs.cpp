@@ -239,7 +239,7 @@ TEST_CASE("an EXR file tells what a picture cost, pixel by pixel, and how far ea
     const TemporaryFolder folder;
     const fs::path scene = folder.path() / "edge.scene", file = folder.path() / "edge.exr";
     std::ofstream(scene) << "output { resolution(48, 36); exr { aov(samples, error); } } background(0.1, 0.2, 0.3);\n"
-                            "render { error(0.01); } camera { location(0, 0, -4); }\n"
+                            "render { error(0.01); filter(\"gaussian\"); } camera { location(0, 0, -4); }\n"
                             "lights { ambient { } point { location(-3, 4, -4); intensity(30); } } objects { sphere { } }\n";
     const RunResult result = run(fmt::format("cd {} && {} -v -w edge.scene", quoted(folder.path()), quoted(LAPIDARY_PROGRAM)));
     INFO(result.output);

@@ -37,6 +37,12 @@ SamplingPlan adaptive(double error) {
     return plan;
 }
 
+SamplingPlan adaptive_through_glass(double error) {
+    SamplingPlan plan = adaptive(error);
+    plan.rays_are_bent = true;
+    return plan;
+}
+
 bool is_same_pixel(const Frame& a, const Frame& b, int x, int y) {
     for (int i = 0; i < layer_count; ++i) {
         const auto layer = static_cast<Layer>(i);
@@ -73,7 +79,7 @@ IntegrandMaker integrand_of(Function function) {
 
 TEST_CASE("the same bits for any number of threads") {
     const StandInPicture picture;
-    for (const SamplingPlan& plan : {uniform(1), uniform(5), adaptive(0.02), adaptive(0.05)}) {
+    for (const SamplingPlan& plan : {uniform(1), uniform(5), adaptive(0.004), adaptive(0.05), adaptive_through_glass(0.05)}) {
         Frame one = picture.frame(all_layers);
         RenderOptions options;
         options.threads = 1;
@@ -89,7 +95,7 @@ TEST_CASE("the same bits for any number of threads") {
 
 TEST_CASE("a region has the bits of the whole picture") {
     const StandInPicture picture;
-    for (const SamplingPlan& plan : {uniform(4), adaptive(0.05), adaptive(0.02), adaptive(0.004)}) {
+    for (const SamplingPlan& plan : {uniform(4), adaptive(0.05), adaptive(0.02), adaptive(0.004), adaptive_through_glass(0.02)}) {
         Frame whole = picture.frame(all_layers);
         picture.render(whole, plan);
         for (const PixelRegion& region :
@@ -158,16 +164,21 @@ TEST_CASE("a flat picture takes the first samples only, twice as many for small 
     struct Case {
         RenderSettings::Filter filter;
         double error;
+        bool rays_are_bent;
         std::uint64_t samples;
     };
-    for (const auto& [filter, error, samples] : {Case{RenderSettings::Filter::box, 0.004, 8},
-                                                 {RenderSettings::Filter::gaussian, 0.004, 8},
-                                                 {RenderSettings::Filter::mitchell, 0.004, 16},
-                                                 {RenderSettings::Filter::box, 0.01, 2},
-                                                 {RenderSettings::Filter::gaussian, 0.05, 2},
-                                                 {RenderSettings::Filter::box, 0.05, 1}}) {
+    for (const auto& [filter, error, rays_are_bent, samples] : {Case{RenderSettings::Filter::box, 0.004, false, 8},
+                                                                {RenderSettings::Filter::gaussian, 0.004, false, 8},
+                                                                {RenderSettings::Filter::mitchell, 0.004, false, 16},
+                                                                {RenderSettings::Filter::box, 0.009, false, 8},
+                                                                {RenderSettings::Filter::box, 0.01, false, 1},
+                                                                {RenderSettings::Filter::box, 0.01, true, 2},
+                                                                {RenderSettings::Filter::gaussian, 0.05, false, 2},
+                                                                {RenderSettings::Filter::box, 0.05, true, 2},
+                                                                {RenderSettings::Filter::box, 0.1, true, 1}}) {
+        const SamplingPlan plan = rays_are_bent ? adaptive_through_glass(error) : adaptive(error);
         const RenderReport report =
-            render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), adaptive(error), frame, {});
+            render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), plan, frame, {});
         CHECK(report.samples == report.pixels * samples);
         CHECK(report.within_error == report.pixels);
         CHECK(frame.pixel(Layer::colour, 3, 3)[0] == 0.1f);
