@@ -57,6 +57,8 @@ struct SamplingPlan {
     bool refine_until_time_is_up = false;  // as good as the time allows, with samples 0
     bool lights_are_sampled = false;       // what a ray brings back depends on its number, too
     bool rays_are_bent = false;            // something is transparent
+
+    bool has_error_to_reach() const { return samples == 0 && !refine_until_time_is_up; }
 };
 
 LAPIDARY_API SamplingPlan plan_sampling(const Scene& scene, const RenderOptions& options);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kernel/render/render.h"
 
+#include <algorithm>
+
 #include "kernel/math/standard_arithmetic.h"
 #include "kernel/prepare/world.h"
 #include "kernel/render/passes.h"
@@ -31,6 +33,16 @@ private:
     Tracer tracer_;
 };
 
+// A path may end where it counts for less than some part of the error that is asked for: as much of it as the usual cutoff is of
+// the usual error. Measured with mirrors in glass (extreme, 96x72), for the same RMSE: a third to two thirds of the time at errors
+// from 0.4 to 0.05; twice that part would save another eighth, but a pixel has several such paths, whose light adds up.
+RenderSettings settings_for(const SamplingPlan& plan, const RenderSettings& settings) {
+    constexpr double part_of_error = RenderSettings{}.cutoff / RenderSettings{}.error;
+    RenderSettings result = settings;
+    if (plan.has_error_to_reach()) result.cutoff = std::max(settings.cutoff, part_of_error * plan.error);
+    return result;
+}
+
 }  // namespace
 
 RenderReport render(const World& world, const Scene& scene, Frame& frame, const RenderOptions& options) {
@@ -38,8 +50,9 @@ RenderReport render(const World& world, const Scene& scene, Frame& frame, const 
     const CameraRays camera(scene.camera, frame.width(), frame.height());
     const PixelFilter filter(scene.render.filter, scene.render.filter_radius.value_or(default_radius(scene.render.filter)));
     SamplingPlan plan = plan_sampling(scene, options);
+    const RenderSettings settings = settings_for(plan, scene.render);
     const auto make_integrand = [&] {
-        return std::make_unique<WorldIntegrand>(world, scene.render, camera.pixel_footprint(), options);
+        return std::make_unique<WorldIntegrand>(world, settings, camera.pixel_footprint(), options);
     };
     plan.lights_are_sampled = world.features.extended_lights;
     plan.rays_are_bent = world.features.transparency;

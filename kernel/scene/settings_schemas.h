@@ -92,7 +92,9 @@ struct RenderBlock : RenderSettings {
     static void describe(Schema<RenderBlock>& schema) {
         schema.summary("How far the calculation goes.");
         schema.add("depth", &RenderBlock::depth).between(0, 1000).help("Reflections and refractions that a path may have.");
-        schema.add("cutoff", &RenderBlock::cutoff).between(0, 1).help("Weight in the pixel below which a path ends.");
+        schema.add("cutoff", &RenderBlock::cutoff)
+            .between(0, 1)
+            .help("Weight in the pixel below which a path ends; at least a quarter of an error that is asked for.");
         schema.add("error", &RenderBlock::error).above(0).at_most(1).help("Estimated error of a pixel that is good enough.");
         schema.add("filter", &RenderBlock::filter, {"box", "gaussian", "mitchell"}, &RenderBlock::filter_radius)
             .above(0)

@@ -6,9 +6,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 
+#include "kernel/prepare/world.h"
+#include "kernel/render/render.h"
 #include "support/catch.h"
 #include "support/traced_scene.h"
 
@@ -214,4 +217,30 @@ TEST_CASE("Paths that are too deep or count too little return the background") {
     CHECK(seen("render { depth(3); }") == 0.0625);
     CHECK(seen("render { depth(50); cutoff(0.1); }") == 0.0625);  // 1/8 still counts enough
     CHECK(seen("render { depth(50); cutoff(0); }") == std::pow(0.5, 51));
+}
+
+TEST_CASE("Paths that count too little for the error asked for end sooner") {
+    const auto seen = [](const std::string& settings, std::optional<double> error, std::optional<int> samples = {}) {
+        const auto built = build(
+            "camera { location(0, 1, 0); look_at(0, 0, 0); } background(1,1,1); lights { ambient {} } objects { "
+            "halfspace { material { solid { reflection(0.5); colour(0,0,0); } } } "
+            "halfspace { transform { rotx(180deg); translate(0,2,0); } material { solid { reflection(0.5); colour(0,0,0); } } } "
+            "} "
+            "render { depth(50); " +
+            settings + " }");
+        REQUIRE(built->scene);
+        const auto world = prepare_world(*built->scene, built->messages);
+        Frame frame(4, 4, {});
+        RenderOptions options;
+        options.error = error, options.samples = samples;
+        REQUIRE(render(*world, *built->scene, frame, options).complete);
+        return frame.pixel(Layer::colour, 1, 2)[1];
+    };
+    // The n-th path counts for 2^-n, and the first that is left out for the background.
+    CHECK(seen("", 0.004) == 0x1p-11f);
+    CHECK(seen("", 0.001) == 0x1p-11f);
+    CHECK(seen("", 0.1) == 0x1p-6f);
+    CHECK(seen("error(0.4);", {}) == 0x1p-4f);
+    CHECK(seen("cutoff(0.2);", 0.1) == 0x1p-3f);
+    CHECK(seen("error(0.4);", {}, 1) == 0x1p-11f);
 }
