@@ -34,8 +34,8 @@ private:
 };
 
 // A path may end where it counts for less than some part of the error that is asked for: as much of it as the usual cutoff is of
-// the usual error. Measured with mirrors in glass (extreme, 96x72), for the same RMSE: a third to two thirds of the time at errors
-// from 0.4 to 0.05; twice that part would save another eighth, but a pixel has several such paths, whose light adds up.
+// the usual error. Measured with mirrors in glass (extreme, 96x72) at errors from 0.4 to 0.05: a third to two thirds of the time
+// for the same RMSE. Twice that part would save another eighth, but a pixel has several such paths, whose light adds up.
 RenderSettings settings_for(const SamplingPlan& plan, const RenderSettings& settings) {
     constexpr double part_of_error = RenderSettings{}.cutoff / RenderSettings{}.error;
     RenderSettings result = settings;

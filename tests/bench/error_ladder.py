@@ -14,7 +14,7 @@ from programs import ONE_SAMPLE, difference
 # What is rendered where nothing else is asked for, and how large. Mirrors in glass take POV-Ray many minutes for larger references.
 USUAL = {"dice": (320, 240), "spheres-1000": (320, 240), "cheese-100": (320, 240), "trees": (320, 240), "matdemo": (320, 240), "extreme": (96, 72)}
 
-OUR_QUALITIES = [ONE_SAMPLE] + [["--error", str(error)] for error in (0.4, 0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.0015)]
+OUR_QUALITIES = [ONE_SAMPLE] + [["--error", str(error)] for error in (0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.0015)]
 OUR_REFERENCE = ["--samples", "1024", "--sequence", "1"]  # independent of the samples that are judged
 
 # Settings of which none is both slower and worse than another one on all workloads, and between which there are no wide gaps.
