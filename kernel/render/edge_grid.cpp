@@ -22,6 +22,10 @@ struct LeftOut {
 constexpr double left_out_by_bend = 0.5;
 constexpr LeftOut left_out_by_one_cell{0.25, 0.5, 1}, left_out_by_finer_cells{0.06, 0.2, 1};
 
+// Of the sides around a middle, before its pixel is given up: crowds of small solids take a tenth less time for the same RMSE
+// than where they are followed, others hardly more.
+constexpr int most_sides_with_more = 2;
+
 double squared_difference(const FloatColour& a, const FloatColour& b) {
     const double red = double{a.r} - double{b.r}, green = double{a.g} - double{b.g}, blue = double{a.b} - double{b.b};
     return (red * red + green * green + blue * blue) / 3;
@@ -101,9 +105,9 @@ private:
 // What the sides of a pixel say together.
 struct EdgeGrid::Tally {
     int jumps = 0, rays = 0;
+    int with_more = 0;           // sides on which there is more than one change
     double greatest = 0;         // square of a change that is not even
     double bend = 0;             // of those that are
-    bool has_more = false;       // on some side there is more than one
     bool is_divided = false;     // some cell is, by its sides
     bool is_surprising = false;  // some probe is
 
@@ -115,7 +119,7 @@ struct EdgeGrid::Tally {
         if (!side) return;
         if (with_rays) rays += side->halved;
         jumps += side->jumps;
-        has_more |= side->has_more;
+        with_more += side->has_more;
         if (side->jumps || side->has_more)
             greatest = std::max(greatest, side->square);
         else
@@ -451,14 +455,15 @@ EdgeGrid::Estimate EdgeGrid::estimate(PixelPlace pixel) const {
     estimate.rays = fineness_ == 1 ? tally.rays / 4 : tally.rays + static_cast<int>(across * across) - 1;
     estimate.is_surprising = tally.is_surprising;
     // Where only middles were looked at, a finer grid may find lines in what seems a pattern, unless there is very much of it.
-    estimate.is_tangled = has_pattern(tally) && (fineness_ > 1 || tally.jumps > 2 * most_jumps_of_line());
+    const bool has_much = tally.jumps > 2 * most_jumps_of_line() || tally.with_more > most_sides_with_more;
+    estimate.is_tangled = has_pattern(tally) && (fineness_ > 1 || has_much);
     const double error = left_out_by(tally) / fineness_ / brightness_scale(estimate.colour);
     estimate.error = is_finite(estimate.colour) ? error : infinity;
     return estimate;
 }
 
 bool EdgeGrid::has_pattern(const Tally& tally) const {
-    return tally.has_more || tally.is_surprising || tally.jumps > most_jumps_of_line();
+    return tally.with_more > 0 || tally.is_surprising || tally.jumps > most_jumps_of_line();
 }
 
 // In parts of a cell's side.
