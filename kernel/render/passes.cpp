@@ -27,9 +27,9 @@ constexpr std::uint32_t first_samples_of_left_over = 16;  // what even the fines
 // takes four, and so does a lens, through which everything is spread thin.
 constexpr std::uint32_t first_samples_of_coarse_picture = 2;
 constexpr double least_coarse_error = 0.01;
-// Even for these, the middles of the pixels and edges between them will do where rays go straight on. A pattern that repeats
-// with the pixels can hide from them, which would matter to smaller errors. What is seen through glass is tangled, and edges in
-// it are worth following for large errors only.
+// Even for these, the middles of the pixels and edges between them will do where rays go straight on. What is thinner than a
+// pixel can hide from them, which would matter to smaller errors. What is seen through glass is tangled, and edges in it are
+// worth following for large errors only.
 constexpr double least_error_from_middles = least_coarse_error, least_error_from_middles_through_glass = 0.1;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
@@ -121,7 +121,7 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
     if (plan.samples == 0) {
         most_samples_ = std::max(first_samples_, most_samples(plan));
         most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
-        const int margin = most_passes_ + 1 + (begins_with_middles() ? margin_of_edges : 0);
+        const int margin = most_passes_ + 1 + (begins_with_middles() ? rounds_of_waking_by_samples + margin_of_edges : 0);
         if (!region_.is_empty()) area_ = intersection(grown(region_, margin), picture_);
     }
 }
@@ -183,13 +183,22 @@ void Passes::sample_uniformly(int samples) {
 
 void Passes::sample_adaptively() {
     expected_samples_ = guessed_refinement * pixel_count(area_) * (begins_with_middles() ? 1 : first_samples_);
-    const PixelRegion sampled = intersection(grown(region_, most_passes_ + 1), picture_);
+    const auto sampled = [&](int rounds_to_come) {
+        return intersection(grown(region_, most_passes_ + 1 + rounds_to_come), picture_);
+    };
     if (begins_with_middles()) {
+        const PixelRegion left_over = sampled(rounds_of_waking_by_samples);
         follow_edges();
-        if (is_stopped() || !has_left_over(sampled)) return;
-        begin_with_left_over(sampled);
+        if (is_stopped() || !has_left_over(left_over)) return;
+        begin_with_left_over(left_over);
+        trace_pixels(left_over, first_samples_);
+        for (int to_come = rounds_of_waking_by_samples - 1; to_come >= 0; --to_come) {
+            if (!wake_beside_samples(sampled(to_come))) break;
+            trace_pixels(sampled(to_come), first_samples_);
+        }
+    } else {
+        trace_pixels(sampled(0), first_samples_);
     }
-    trace_pixels(sampled, first_samples_);
     for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
         const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
         if (!look_at_errors(taking_part, plan_.error)) break;

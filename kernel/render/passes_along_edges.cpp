@@ -2,8 +2,10 @@
 //
 // A coarse picture from the middles of its pixels and from edges that are followed between them (edge_grid.h), finer and finer
 // where that does not tell enough. What a finer grid finds wakes the pixels beside it, of which a coarser one told all seemed
-// well. What even the finest does not tell takes samples.
+// well. What even the finest does not tell takes samples, which wake those beside them in turn: so is followed what is thinner
+// than a pixel, like a wire, once some pixel has found it.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
@@ -23,6 +25,10 @@ constexpr double part_left_after_surprise = 1.0 / 3;
 // patterns leave out as much of smaller cells. Others take samples at once: glass, textures and crowds of small solids reach an
 // error in a tenth to a fifth less time by that.
 constexpr double least_part_to_give_up = 0.5;
+// For smaller errors, what is smaller than a pixel and lies between all middles matters. Looks beside them find as much of it as
+// first samples would.
+constexpr double least_error_by_middles_alone = 0.02;
+constexpr std::size_t looks_beside_middle = 1;
 constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
 
 }  // namespace
@@ -30,17 +36,13 @@ constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
 void Passes::follow_edges() {
     sample_all_middles();
     const auto taking_part = [&](int passes_done) {
-        return intersection(grown(region_, most_passes_ + margin_of_edges - passes_done), picture_);
+        return intersection(grown(region_, most_passes_ + rounds_of_waking_by_samples + margin_of_edges - passes_done), picture_);
     };
     for_each_tile(taking_part(0), [&](const PixelRegion& tile) { follow_edges_of_tile(tile, true); });
     for (int round = 1; round <= rounds_of_waking && !is_stopped(); ++round) {
         for_each_tile(taking_part(round), [&](const PixelRegion& tile) { wake_beside_moves(tile); });
         for_each_tile(taking_part(round), [&](const PixelRegion& tile) { follow_edges_of_tile(tile, false); });
     }
-    if (is_stopped()) return;
-    std::size_t left_over = 0;
-    for (const PixelRegion& tile : tiles_of(region_)) restless_pixels_of(tile).for_each(tile, [&](PixelPlace) { ++left_over; });
-    frame_.count_finished(pixel_count(region_) - left_over - frame_.finished());
 }
 
 void Passes::sample_all_middles() {
@@ -65,6 +67,7 @@ void Passes::follow_edges_of_tile(const PixelRegion& tile, bool is_first) {
     if (!worker.grid) worker.grid = std::make_unique<EdgeGrid>();
     PixelSet& restless = restless_pixels_of(tile);
     if (is_first) follow_between_middles(tile, restless, worker);
+    if (is_first && plan_.error < least_error_by_middles_alone) look_beside_middles(tile, restless, worker);
     if (restless.is_empty()) return;
     for (int fineness = 2; fineness <= EdgeGrid::greatest_fineness && !is_stopped(); fineness *= 2)
         follow_in_finer_grid(tile, fineness, restless, worker);
@@ -94,6 +97,48 @@ void Passes::follow_between_middles(const PixelRegion& tile, PixelSet& restless,
         }
 }
 
+// In pixels around whose middles nothing changes.
+void Passes::look_beside_middles(const PixelRegion& tile, PixelSet& restless, Worker& worker) {
+    PixelSet calm;
+    calm.clear();
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
+            if ((worker.grid->changes_in_row(y) >> (x - tile.x0) & 1) == 0) calm.add({x, y});
+    if (calm.is_empty() || is_stopped()) return;
+
+    begin_tile(tile, worker);
+    std::array<PixelPlace, SampleBatch::most / looks_beside_middle> pixels;
+    std::size_t count = 0;
+    calm.for_each(tile, [&](PixelPlace pixel) {
+        pixels[count++] = pixel;
+        if (count == pixels.size()) look_beside(std::span(pixels).first(std::exchange(count, 0)), restless, worker);
+    });
+    if (count > 0) look_beside(std::span(pixels).first(count), restless, worker);
+}
+
+void Passes::look_beside(std::span<const PixelPlace> pixels, PixelSet& restless, Worker& worker) {
+    std::array<EdgeGrid::Place, SampleBatch::most> places;
+    const std::size_t looks = pixels.size() * looks_beside_middle;
+    for (std::size_t i = 0; i < looks; ++i) {
+        const PixelPlace& pixel = pixels[i / looks_beside_middle];
+        const auto [u, v] = sample_places(pixel)[static_cast<std::uint32_t>(i % looks_beside_middle)];
+        places[i] = {pixel.x + u, pixel.y + v};
+    }
+    if (!trace_places(std::span(places).first(looks), worker)) return;
+    for (std::size_t i = 0; i < looks; ++i) {
+        const PixelPlace& pixel = pixels[i / looks_beside_middle];
+        const Colour middle = to_colour(edges_.middle_of(pixel)), found = worker.batch->colours[i];
+        const double surprise = is_finite(found) ? contrast(found, middle) / brightness_scale(middle) : infinity;
+        EdgeField::Followed& followed = edges_[pixel];
+        ++followed.rays;
+        if (frame_.has(Layer::samples) && is_in(pixel, region_)) write_followed(pixel);
+        if (surprise <= plan_.error) continue;
+        followed.error = to_float(surprise), followed.is_surprising = true;
+        note_move(pixel, surprise);
+        restless.add(pixel);
+    }
+}
+
 void Passes::follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSet& restless, Worker& worker) {
     EdgeGrid& grid = *worker.grid;
     grid.begin({tile.x0, tile.y0}, fineness, least_part * plan_.error * fineness);
@@ -113,9 +158,13 @@ void Passes::follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSe
         });
 }
 
-// At a place in each quarter of a pixel, where it takes its first samples.
+// Where in a pixel it would take its samples, one in each quarter first.
+SamplePairs Passes::sample_places(PixelPlace pixel) const {
+    return SamplePairs(sample_key(pixel.x, pixel.y, 0, options_.sequence).pixel, dimension_pair::pixel);
+}
+
 void Passes::probe(PixelPlace pixel, EdgeGrid& grid) const {
-    const SamplePairs pairs(sample_key(pixel.x, pixel.y, 0, options_.sequence).pixel, dimension_pair::pixel);
+    const SamplePairs pairs = sample_places(pixel);
     for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
         const auto [u, v] = pairs[quarter];
         grid.probe({pixel.x + u, pixel.y + v});
@@ -128,28 +177,28 @@ bool Passes::trace_grid(const PixelRegion& tile, Worker& worker) {
     bool has_begun = false;
     for (std::span places = worker.grid->ask(); !places.empty(); places = worker.grid->ask()) {
         if (!std::exchange(has_begun, true)) begin_tile(tile, reach, worker);
-        for (std::size_t first = 0; first < places.size(); first += SampleBatch::most)
-            if (!trace_places(places, first, worker)) return false;
-        taken_samples_ += places.size();
+        for (std::size_t first = 0; first < places.size(); first += SampleBatch::most) {
+            const std::span batch = places.subspan(first, std::min(SampleBatch::most, places.size() - first));
+            if (!trace_places(batch, worker)) return false;
+            for (std::size_t i = 0; i < batch.size(); ++i) worker.grid->tell(first + i, worker.batch->colours[i]);
+        }
     }
     return !is_stopped();
 }
 
-// As many of the places as a batch holds.
-bool Passes::trace_places(std::span<const EdgeGrid::Place> places, std::size_t first, Worker& worker) {
+// At most as many as a batch holds. False where that was stopped.
+bool Passes::trace_places(std::span<const EdgeGrid::Place> places, Worker& worker) {
     SampleBatch& batch = *worker.batch;
-    const std::size_t size = std::min(SampleBatch::most, places.size() - first);
-    for (std::size_t i = 0; i < size; ++i) batch.place_at(i, places[first + i].x, places[first + i].y);
+    const std::size_t size = places.size();
+    for (std::size_t i = 0; i < size; ++i) batch.place_at(i, places[i].x, places[i].y);
     batch.repeat_last_place(size);
     if (is_stopped()) return false;
     if (const std::optional<Colour> known = spare(batch.beam(size, camera_), false, size, worker))
         batch.fill(size, *known, false);
     else if (!trace(worker, size, false))
         return false;
-    for (std::size_t i = 0; i < size; ++i) {
-        worker.non_finite_samples += !is_finite(batch.colours[i]);
-        worker.grid->tell(first + i, batch.colours[i]);
-    }
+    for (std::size_t i = 0; i < size; ++i) worker.non_finite_samples += !is_finite(batch.colours[i]);
+    taken_samples_ += size;
     return true;
 }
 
@@ -157,8 +206,7 @@ void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate,
     EdgeField::Followed& followed = edges_[place];
     const Colour before = to_colour(edges_.colour_of(place));
     const double move = fineness == 1 ? 0 : contrast(before, estimate.colour) / brightness_scale(estimate.colour);
-    followed.move = std::max(followed.move, to_float(move));
-    greatest_moves_[tile_number(place)] = std::max(greatest_moves_[tile_number(place)], followed.move);
+    note_move(place, move);
     // A pattern can hide from grids that it fits: once it has shown, none is believed that knows nothing of it.
     const double left = followed.is_surprising ? part_left_after_surprise * followed.error : 0;
     followed.error = to_float(std::max(left, error_from_grid(estimate.error, move, fineness)));
@@ -168,6 +216,13 @@ void Passes::keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate,
     followed.is_given_up = estimate.is_tangled && error_from_finest > least_part_to_give_up * plan_.error;
     edges_.keep_colour(place, to_floats(estimate.colour), fineness);
     if (is_in(place, region_)) write_followed(place);
+}
+
+void Passes::note_move(PixelPlace place, double move) {
+    float& greatest = edges_[place].move;
+    greatest = std::max(greatest, to_float(move));
+    float& in_tile = greatest_moves_[tile_number(place)];
+    in_tile = std::max(in_tile, greatest);
 }
 
 void Passes::write_followed(PixelPlace place) {
@@ -213,6 +268,42 @@ void Passes::begin_with_left_over(const PixelRegion& region) {
                 if (!restless.contains({x, y})) pixel.begin_with(to_colour(edges_.colour_of({x, y})));
             }
     });
+}
+
+// Pixels that edges told of, beside those of which samples tell something else: they take samples, too. False where there are
+// none.
+bool Passes::wake_beside_samples(const PixelRegion& region) {
+    std::vector<PixelSet> woken(restless_.size());
+    const auto woken_of = [&](const PixelRegion& tile) -> PixelSet& { return woken[tile_number({tile.x0, tile.y0})]; };
+    for_each_tile(region, [&](const PixelRegion& tile) { find_pixels_beside_samples(tile, woken_of(tile)); });
+    std::atomic<bool> any{false};
+    for_each_tile(region, [&](const PixelRegion& tile) {
+        if (woken_of(tile).is_empty()) return;
+        any = true;
+        woken_of(tile).for_each(tile, [&](PixelPlace place) {
+            restless_pixels_of(tile).add(place);
+            pixels_[place] = Pixel{};
+            pixels_[place].followed = edges_[place].rays;
+        });
+    });
+    return any && !is_stopped();
+}
+
+void Passes::find_pixels_beside_samples(const PixelRegion& tile, PixelSet& woken) {
+    woken.clear();
+    const PixelSet& sampled = restless_pixels_of(tile);
+    for (const PixelRegion& part : tiles_of(intersection(grown(tile, 1), area_)))
+        restless_pixels_of(part).for_each(part, [&](PixelPlace place) {
+            const Pixel& pixel = pixels_[place];
+            if (pixel.taken == 0) return;
+            const Colour colour = pixel.estimate.mean();
+            const double move = contrast(to_colour(edges_.colour_of(place)), colour) / brightness_scale(colour);
+            if (!(part_of_move_around * move > plan_.error)) return;
+            const PixelRegion beside = intersection({place.x - 1, place.y - 1, place.x + 2, place.y + 2}, tile);
+            for (int y = beside.y0; y < beside.y1; ++y)
+                for (int x = beside.x0; x < beside.x1; ++x)
+                    if (!sampled.contains({x, y})) woken.add({x, y});
+        });
 }
 
 void Passes::report_of_edges(RenderReport& report, std::size_t& sampled) {

@@ -51,7 +51,8 @@ double processor_time();
 
 class Passes {
 public:
-    static constexpr int margin_of_edges = 3;  // how far around a pixel there is anything that its edges depend on
+    static constexpr int margin_of_edges = 3;              // how far around a pixel there is anything that its edges depend on
+    static constexpr int rounds_of_waking_by_samples = 6;  // each comes a pixel further
 
     Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, const PixelFilter& filter, const SamplingPlan& plan,
            Frame& frame, const RenderOptions& options);
@@ -70,15 +71,21 @@ private:
     void sample_all_middles();
     void follow_edges_of_tile(const PixelRegion& tile, bool is_first);
     void follow_between_middles(const PixelRegion& tile, PixelSet& restless, Worker& worker);
+    void look_beside_middles(const PixelRegion& tile, PixelSet& restless, Worker& worker);
+    void look_beside(std::span<const PixelPlace> pixels, PixelSet& restless, Worker& worker);
     void follow_in_finer_grid(const PixelRegion& tile, int fineness, PixelSet& restless, Worker& worker);
+    SamplePairs sample_places(PixelPlace pixel) const;
     void probe(PixelPlace pixel, EdgeGrid& grid) const;
     bool trace_grid(const PixelRegion& tile, Worker& worker);
-    bool trace_places(std::span<const EdgeGrid::Place> places, std::size_t first, Worker& worker);
+    bool trace_places(std::span<const EdgeGrid::Place> places, Worker& worker);
     void keep_estimate(PixelPlace place, const EdgeGrid::Estimate& estimate, int fineness);
+    void note_move(PixelPlace place, double move);
     void write_followed(PixelPlace place);
     void wake_beside_moves(const PixelRegion& tile);
     bool has_left_over(const PixelRegion& region);
     void begin_with_left_over(const PixelRegion& region);
+    bool wake_beside_samples(const PixelRegion& region);
+    void find_pixels_beside_samples(const PixelRegion& tile, PixelSet& woken);
     void report_of_edges(RenderReport& report, std::size_t& sampled);
     void show(const PixelRegion& tile);
 

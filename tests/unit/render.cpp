@@ -171,7 +171,7 @@ TEST_CASE("a flat picture takes the first samples only, twice as many for small 
                                                                 {RenderSettings::Filter::gaussian, 0.004, false, 8},
                                                                 {RenderSettings::Filter::mitchell, 0.004, false, 16},
                                                                 {RenderSettings::Filter::box, 0.009, false, 8},
-                                                                {RenderSettings::Filter::box, 0.01, false, 1},
+                                                                {RenderSettings::Filter::box, 0.01, false, 2},
                                                                 {RenderSettings::Filter::box, 0.01, true, 2},
                                                                 {RenderSettings::Filter::gaussian, 0.05, false, 2},
                                                                 {RenderSettings::Filter::box, 0.05, true, 2},
@@ -213,6 +213,33 @@ TEST_CASE("of pixels that rest on their middles, those beside pixels that a fine
     CHECK(samples_of(edge + 10) == 1);  // nothing is near
     CHECK(samples_of(edge + 20) == 1);  // what hides there is not looked for
     CHECK(grey_of(edge + 20) == 0.75);
+}
+
+// A wire between the middles of two rows. Where errors are small, some looks beside the middles find it, and wake the others.
+TEST_CASE("what hides between all middles is found for small errors") {
+    constexpr int width = 48, height = 24, row = 10;
+    const auto wire = integrand_of([](const Ray& ray) {
+        const double y = height / 2.0 - ray.origin.rounded().y;
+        return y > row + 0.6 && y < row + 0.9 ? Colour::black() : Colour::grey(0.5);
+    });
+    Camera description;
+    description.projection = Camera::Projection::orthographic;
+    description.screen_height = height;  // a pixel is a unit
+    const CameraRays camera(description, width, height);
+    const auto mean_of_row = [&](double error) {
+        Frame frame(width, height, {Layer::samples});
+        const RenderReport report =
+            render_passes(wire, camera, PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(error), frame, {});
+        CHECK(report.within_error == report.pixels);
+        double sum = 0, samples = 0;
+        for (int x = 0; x < width; ++x) sum += frame.pixel(Layer::colour, x, row)[0];
+        for (const float taken : frame.layer(Layer::samples)) samples += taken;
+        CHECK(samples == static_cast<double>(report.samples));
+        return sum / width;
+    };
+    CHECK(mean_of_row(0.02) == 0.5);
+    CHECK(std::fabs(mean_of_row(0.019) - 0.7 * 0.5) < 0.019);
+    CHECK(std::fabs(mean_of_row(0.01) - 0.7 * 0.5) < 0.01);
 }
 
 TEST_CASE("of a coarse picture, a pixel whose middle is not finite takes samples that are") {
