@@ -215,31 +215,57 @@ TEST_CASE("of pixels that rest on their middles, those beside pixels that a fine
     CHECK(grey_of(edge + 20) == 0.75);
 }
 
-// A wire between the middles of two rows. Where errors are small, some looks beside the middles find it, and wake the others.
+namespace {
+
+// A wire between the middles of two rows.
+class Wire {
+public:
+    static constexpr int width = 48, height = 24, row = 10;
+
+    static RenderReport render(Frame& frame, double error, const RenderOptions& options = {}) {
+        const auto wire = integrand_of([](const Ray& ray) {
+            const double y = height / 2.0 - ray.origin.rounded().y;
+            return y > row + 0.6 && y < row + 0.9 ? Colour::black() : Colour::grey(0.5);
+        });
+        Camera description;
+        description.projection = Camera::Projection::orthographic;
+        description.screen_height = height;  // a pixel is a unit
+        const PixelFilter filter(RenderSettings::Filter::box, 0.5);
+        return render_passes(wire, CameraRays(description, width, height), filter, adaptive(error), frame, options);
+    }
+};
+
+}  // namespace
+
+// Where errors are small, some looks beside the middles find it, and wake the others.
 TEST_CASE("what hides between all middles is found for small errors") {
-    constexpr int width = 48, height = 24, row = 10;
-    const auto wire = integrand_of([](const Ray& ray) {
-        const double y = height / 2.0 - ray.origin.rounded().y;
-        return y > row + 0.6 && y < row + 0.9 ? Colour::black() : Colour::grey(0.5);
-    });
-    Camera description;
-    description.projection = Camera::Projection::orthographic;
-    description.screen_height = height;  // a pixel is a unit
-    const CameraRays camera(description, width, height);
     const auto mean_of_row = [&](double error) {
-        Frame frame(width, height, {Layer::samples});
-        const RenderReport report =
-            render_passes(wire, camera, PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(error), frame, {});
+        Frame frame(Wire::width, Wire::height, {Layer::samples});
+        const RenderReport report = Wire::render(frame, error);
         CHECK(report.within_error == report.pixels);
         double sum = 0, samples = 0;
-        for (int x = 0; x < width; ++x) sum += frame.pixel(Layer::colour, x, row)[0];
+        for (int x = 0; x < Wire::width; ++x) sum += frame.pixel(Layer::colour, x, Wire::row)[0];
         for (const float taken : frame.layer(Layer::samples)) samples += taken;
         CHECK(samples == static_cast<double>(report.samples));
-        return sum / width;
+        return sum / Wire::width;
     };
     CHECK(mean_of_row(0.02) == 0.5);
     CHECK(std::fabs(mean_of_row(0.019) - 0.7 * 0.5) < 0.019);
     CHECK(std::fabs(mean_of_row(0.01) - 0.7 * 0.5) < 0.01);
+}
+
+// Which pixels are woken depends on those that samples were taken of, one after the other along the wire.
+TEST_CASE("what wakes along a wire is the same in a region") {
+    Frame whole(Wire::width, Wire::height, all_layers);
+    Wire::render(whole, 0.01);
+    for (int x = 0; x < Wire::width; ++x) {
+        const PixelRegion region{x, 9, x + 1, 13};
+        Frame part(Wire::width, Wire::height, all_layers);
+        RenderOptions options;
+        options.region = region;
+        CHECK(Wire::render(part, 0.01, options).complete);
+        CHECK(differing_pixels(whole, part, region) == 0);
+    }
 }
 
 TEST_CASE("of a coarse picture, a pixel whose middle is not finite takes samples that are") {
