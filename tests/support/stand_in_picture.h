@@ -13,6 +13,14 @@
 
 namespace lapidary {
 
+// Parallel rays along z, where a pixel is a unit of the world.
+inline CameraRays camera_of_unit_pixels(int width, int height) {
+    Camera description;
+    description.projection = Camera::Projection::orthographic;
+    description.screen_height = height;
+    return CameraRays(description, width, height);
+}
+
 struct StandInPicture {
     int width = 96, height = 72;
     bool soft_shadow = false;
@@ -38,10 +46,7 @@ struct StandInPicture {
 
     RenderReport render(Frame& frame, SamplingPlan plan, const RenderOptions& options = {},
                         const PixelFilter& filter = {RenderSettings::Filter::box, 0.5}) const {
-        Camera description;
-        description.projection = Camera::Projection::orthographic;
-        description.screen_height = height;  // a pixel is a unit
-        const CameraRays camera(description, width, height);
+        const CameraRays camera = camera_of_unit_pixels(width, height);
         plan.lights_are_sampled = soft_shadow;
         return render_passes([this] { return std::make_unique<Rays>(*this); }, camera, filter, plan, frame, options);
     }

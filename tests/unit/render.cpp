@@ -196,10 +196,7 @@ TEST_CASE("of pixels that rest on their middles, those beside pixels that a fine
         if (is_on_wire_before(edge + 1) || is_on_wire_before(edge + 20)) return Colour::black();
         return Colour::grey(x < edge + 0.3 ? 0 : 0.75);
     });
-    Camera description;
-    description.projection = Camera::Projection::orthographic;
-    description.screen_height = height;  // a pixel is a unit
-    const CameraRays camera(description, width, height);
+    const CameraRays camera = camera_of_unit_pixels(width, height);
     Frame frame(width, height, {Layer::samples});
     const RenderReport report =
         render_passes(wires, camera, PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(0.02), frame, {});
@@ -227,11 +224,8 @@ public:
             const double y = height / 2.0 - ray.origin.rounded().y;
             return y > row + 0.6 && y < row + 0.9 ? Colour::black() : Colour::grey(0.5);
         });
-        Camera description;
-        description.projection = Camera::Projection::orthographic;
-        description.screen_height = height;  // a pixel is a unit
         const PixelFilter filter(RenderSettings::Filter::box, 0.5);
-        return render_passes(wire, CameraRays(description, width, height), filter, adaptive(error), frame, options);
+        return render_passes(wire, camera_of_unit_pixels(width, height), filter, adaptive(error), frame, options);
     }
 };
 
@@ -273,12 +267,9 @@ TEST_CASE("of a coarse picture, a pixel whose middle is not finite takes samples
         const Point p = ray.origin.rounded();
         return std::hypot(p.x - 0.5, p.y - 0.5) < 0.1 ? Colour::grey(std::numeric_limits<double>::quiet_NaN()) : Colour::white();
     });
-    Camera description;
-    description.projection = Camera::Projection::orthographic;
-    description.screen_height = 12;  // a pixel is a unit
     Frame frame(12, 12, {Layer::samples});
-    const RenderReport report = render_passes(hole, CameraRays(description, 12, 12),
-                                              PixelFilter(RenderSettings::Filter::box, 0.5), adaptive(0.05), frame, {});
+    const RenderReport report = render_passes(hole, camera_of_unit_pixels(12, 12), PixelFilter(RenderSettings::Filter::box, 0.5),
+                                              adaptive(0.05), frame, {});
     CHECK(report.trace.non_finite_samples > 0);
     CHECK(report.complete);
     for (const float value : frame.layer(Layer::colour)) CHECK(value == 1);
