@@ -122,7 +122,7 @@ Passes::Passes(const IntegrandMaker& make_integrand, const CameraRays& camera, c
         most_samples_ = std::max(first_samples_, most_samples(plan));
         most_passes_ = std::countr_zero(most_samples_) - std::countr_zero(first_samples_);
         const int margin = most_passes_ + 1 + (begins_with_middles() ? rounds_of_waking_by_samples + margin_of_edges : 0);
-        if (!region_.is_empty()) area_ = intersection(grown(region_, margin), picture_);
+        if (!region_.is_empty()) area_ = around_region(margin);
     }
 }
 
@@ -183,24 +183,14 @@ void Passes::sample_uniformly(int samples) {
 
 void Passes::sample_adaptively() {
     expected_samples_ = guessed_refinement * pixel_count(area_) * (begins_with_middles() ? 1 : first_samples_);
-    const auto sampled = [&](int rounds_to_come) {
-        return intersection(grown(region_, most_passes_ + 1 + rounds_to_come), picture_);
-    };
     if (begins_with_middles()) {
-        const PixelRegion left_over = sampled(rounds_of_waking_by_samples);
         follow_edges();
-        if (is_stopped() || !has_left_over(left_over)) return;
-        begin_with_left_over(left_over);
-        trace_pixels(left_over, first_samples_);
-        for (int to_come = rounds_of_waking_by_samples - 1; to_come >= 0; --to_come) {
-            if (!wake_beside_samples(sampled(to_come))) break;
-            trace_pixels(sampled(to_come), first_samples_);
-        }
+        if (!sample_left_over()) return;
     } else {
-        trace_pixels(sampled(0), first_samples_);
+        trace_pixels(around_region(most_passes_ + 1), first_samples_);
     }
     for (int pass = 1; pass <= most_passes_ + 1 && !is_stopped(); ++pass) {
-        const PixelRegion taking_part = intersection(grown(region_, most_passes_ - pass + 1), picture_);
+        const PixelRegion taking_part = around_region(most_passes_ - pass + 1);
         if (!look_at_errors(taking_part, plan_.error)) break;
         trace_pixels(taking_part, std::nullopt);
     }

@@ -25,10 +25,9 @@ constexpr double part_left_after_surprise = 1.0 / 3;
 // patterns leave out as much of smaller cells. Others take samples at once: glass, textures and crowds of small solids reach an
 // error in a tenth to a fifth less time by that.
 constexpr double least_part_to_give_up = 0.5;
-// For smaller errors, what is smaller than a pixel and lies between all middles matters. Looks beside them find as much of it as
-// first samples would.
+// For smaller errors, what is smaller than a pixel and lies between all middles matters. With one look beside each of them, as
+// much of it is found as by two samples.
 constexpr double least_error_by_middles_alone = 0.02;
-constexpr std::size_t looks_beside_middle = 1;
 constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
 
 }  // namespace
@@ -36,7 +35,7 @@ constexpr int rounds_of_waking = Passes::margin_of_edges - 1;
 void Passes::follow_edges() {
     sample_all_middles();
     const auto taking_part = [&](int passes_done) {
-        return intersection(grown(region_, most_passes_ + rounds_of_waking_by_samples + margin_of_edges - passes_done), picture_);
+        return around_region(most_passes_ + rounds_of_waking_by_samples + margin_of_edges - passes_done);
     };
     for_each_tile(taking_part(0), [&](const PixelRegion& tile) { follow_edges_of_tile(tile, true); });
     for (int round = 1; round <= rounds_of_waking && !is_stopped(); ++round) {
@@ -100,33 +99,31 @@ void Passes::follow_between_middles(const PixelRegion& tile, PixelSet& restless,
 // In pixels around whose middles nothing changes.
 void Passes::look_beside_middles(const PixelRegion& tile, PixelSet& restless, Worker& worker) {
     PixelSet calm;
-    calm.clear();
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x)
             if ((worker.grid->changes_in_row(y) >> (x - tile.x0) & 1) == 0) calm.add({x, y});
     if (calm.is_empty() || is_stopped()) return;
 
     begin_tile(tile, worker);
-    std::array<PixelPlace, SampleBatch::most / looks_beside_middle> pixels;
+    std::array<PixelPlace, SampleBatch::most> pixels;
     std::size_t count = 0;
+    const auto look = [&] { look_beside(std::span(pixels).first(std::exchange(count, 0)), restless, worker); };
     calm.for_each(tile, [&](PixelPlace pixel) {
         pixels[count++] = pixel;
-        if (count == pixels.size()) look_beside(std::span(pixels).first(std::exchange(count, 0)), restless, worker);
+        if (count == pixels.size()) look();
     });
-    if (count > 0) look_beside(std::span(pixels).first(count), restless, worker);
+    if (count > 0) look();
 }
 
 void Passes::look_beside(std::span<const PixelPlace> pixels, PixelSet& restless, Worker& worker) {
     std::array<EdgeGrid::Place, SampleBatch::most> places;
-    const std::size_t looks = pixels.size() * looks_beside_middle;
-    for (std::size_t i = 0; i < looks; ++i) {
-        const PixelPlace& pixel = pixels[i / looks_beside_middle];
-        const auto [u, v] = sample_places(pixel)[static_cast<std::uint32_t>(i % looks_beside_middle)];
-        places[i] = {pixel.x + u, pixel.y + v};
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const auto [u, v] = sample_places(pixels[i])[0];
+        places[i] = {pixels[i].x + u, pixels[i].y + v};
     }
-    if (!trace_places(std::span(places).first(looks), worker)) return;
-    for (std::size_t i = 0; i < looks; ++i) {
-        const PixelPlace& pixel = pixels[i / looks_beside_middle];
+    if (!trace_places(std::span(places).first(pixels.size()), worker)) return;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const PixelPlace& pixel = pixels[i];
         const Colour middle = to_colour(edges_.middle_of(pixel)), found = worker.batch->colours[i];
         const double surprise = is_finite(found) ? contrast(found, middle) / brightness_scale(middle) : infinity;
         EdgeField::Followed& followed = edges_[pixel];
@@ -252,6 +249,19 @@ void Passes::wake_beside_moves(const PixelRegion& tile) {
 
 // ---- what is left over -------------------------------------------------------------------------------------------------
 
+// Each round of waking comes a pixel further. False where nothing is left over, or that was stopped.
+bool Passes::sample_left_over() {
+    const auto taking_part = [&](int rounds_done) {
+        return around_region(most_passes_ + 1 + rounds_of_waking_by_samples - rounds_done);
+    };
+    if (is_stopped() || !has_left_over(taking_part(0))) return false;
+    begin_with_left_over(taking_part(0));
+    trace_pixels(taking_part(0), first_samples_);
+    for (int round = 1; round <= rounds_of_waking_by_samples && wake_beside_samples(taking_part(round)); ++round)
+        trace_pixels(taking_part(round), first_samples_);
+    return !is_stopped();
+}
+
 bool Passes::has_left_over(const PixelRegion& region) {
     return std::ranges::any_of(tiles_of(region), [&](const PixelRegion& tile) { return !restless_pixels_of(tile).is_empty(); });
 }
@@ -290,7 +300,6 @@ bool Passes::wake_beside_samples(const PixelRegion& region) {
 }
 
 void Passes::find_pixels_beside_samples(const PixelRegion& tile, PixelSet& woken) {
-    woken.clear();
     const PixelSet& sampled = restless_pixels_of(tile);
     for (const PixelRegion& part : tiles_of(intersection(grown(tile, 1), area_)))
         restless_pixels_of(part).for_each(part, [&](PixelPlace place) {

@@ -82,6 +82,7 @@ private:
     void note_move(PixelPlace place, double move);
     void write_followed(PixelPlace place);
     void wake_beside_moves(const PixelRegion& tile);
+    bool sample_left_over();
     bool has_left_over(const PixelRegion& region);
     void begin_with_left_over(const PixelRegion& region);
     bool wake_beside_samples(const PixelRegion& region);
@@ -132,6 +133,8 @@ private:
         const std::size_t in_row = (static_cast<std::size_t>(picture_.width()) + tile_size - 1) / tile_size;
         return static_cast<std::size_t>(place.y / tile_size) * in_row + static_cast<std::size_t>(place.x / tile_size);
     }
+    // With a margin, as far as the picture goes.
+    PixelRegion around_region(int margin) const { return intersection(grown(region_, margin), picture_); }
     PixelSet& restless_pixels_of(const PixelRegion& tile) { return restless_[tile_number({tile.x0, tile.y0})]; }
     float greatest_move_in(const PixelRegion& tile) const { return greatest_moves_[tile_number({tile.x0, tile.y0})]; }
     // For a coarse picture, the middles of the pixels reveal edges. They stand for the pixels where nothing else varies within

@@ -73,7 +73,7 @@ constexpr std::size_t number_along_curve(int x, int y) {
     return number;
 }
 
-// Some of the pixels of a tile: a bit for each of a block's, in a word for each block.
+// Some of the pixels of a tile, at first none: a bit for each of a block's, in a word for each block.
 class PixelSet {
 public:
     void fill() { blocks_.fill(~std::uint64_t{0}); }
