@@ -20,7 +20,7 @@ public:
 
     // From now on rays lie within a tile's beam; null: anywhere.
     void begin_tile(const Beam* beam);
-    // Of these, within a part of it; `in_quarters`: packet n of its rays is within quarter 2^n of QuartersOfBeam.
+    // Of these, within a part of it; `in_quarters`: the nth quarter of its rays is within quarter 2^n of QuartersOfBeam.
     void begin_part(const Beam* beam, bool in_quarters);
 
     const SolidsInReach& solids() const { return part_; }

@@ -23,20 +23,21 @@ constexpr LightSampleBatch middle_of_light = [] {
 
 // ---- waves -----------------------------------------------------------------------------------------------------------
 
-PacketPaths::Wave::Wave(bool through_matter) {
-    const std::size_t size = through_matter ? longest_wave : wave_size;
-    own_rays.resize(size / width);
+PacketPaths::Wave::Wave() : own_rays(wave_size / width), paths(wave_size), colours(wave_size) { rays = own_rays; }
+
+// For so many rays through matter. Most waves stay short, and what is never touched costs nothing.
+void PacketPaths::Wave::make_room(int most) {
+    const auto packets = static_cast<std::size_t>((most + width - 1) / width), size = packets * width;
+    if (stretches.size() >= packets) return;
+    own_rays.resize(packets), stretches.resize(packets), changes.resize(packets), meetings.resize(packets);
     rays = own_rays;
-    paths.resize(size), colours.resize(size);
-    if (!through_matter) return;
-    stretches.resize(size / width), gathered.resize(size), passed.resize(size), lit.resize(size);
     for (PacketThroughWorld::Stretch& stretch : stretches) stretch.limit.v.fill(infinity);
-    changes.resize(portion_size / width), meetings.resize(portion_size / width);
+    paths.resize(size), colours.resize(size), gathered.resize(size), passed.resize(size), lit.resize(size);
 }
 
 void PacketPaths::Wave::clear() {
+    for (int i = 0; i < count; i += width) own_rays[i / width].clear();
     count = 0;
-    for (RayPacket& packet : own_rays) packet.clear();
 }
 
 void PacketPaths::Wave::fill_up() {
@@ -47,11 +48,15 @@ PacketPaths::PacketPaths(Tracer::Implementation& tracer)
     : tracer_(tracer), world_(tracer.world), packet_(tracer.world, tracer.statistics), to_light_(tracer.world) {}
 
 void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) {
-    if (waves_.empty()) waves_.push_back(std::make_unique<Wave>(world_.features.transparency));
+    if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
     Wave& wave = *waves_[0];
-    for (std::size_t begin = 0; begin < colours.size() && !tracer_.is_stopped(); begin += wave_size) {
-        const std::size_t size = std::min<std::size_t>(wave_size, colours.size() - begin);
+    const std::size_t most = world_.features.transparency ? first_wave_size : wave_size;
+    camera_packets_ = rays.size();
+    for (std::size_t begin = 0; begin < colours.size() && !tracer_.is_stopped(); begin += most) {
+        camera_packets_before_ = begin / width;
+        const std::size_t size = std::min(most, colours.size() - begin);
         wave.count = static_cast<int>(size);
+        if (world_.features.transparency) wave.make_room(wave.count);
         wave.rays = rays.subspan(begin / width, (size + width - 1) / width);
         const auto first = faces.empty() ? faces : faces.subspan(begin, size);
         if (world_.features.transparency) {
@@ -65,6 +70,12 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colou
     }
 }
 
+// Of a part of the picture, if its camera rays come in quarters, the one that a packet of the wave under way is in.
+unsigned PacketPaths::quarter_of(std::size_t depth, int packet) const {
+    if (depth > 0) return SolidInReach::all_rays;
+    return 1U << 4 * (camera_packets_before_ + static_cast<std::size_t>(packet)) / camera_packets_;
+}
+
 void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     Wave& wave = *waves_[depth];
     if (depth > 0) wave.fill_up();
@@ -74,7 +85,7 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     std::uint64_t waiting = 0;
     wave.some_start_inside = false;
     for (std::size_t p = 0; p < packets; ++p) {
-        packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p], 1u << p);
+        packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p], quarter_of(depth, static_cast<int>(p)));
         wave.some_start_inside |= wave.boundaries[p].starts_inside != 0;
         waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
     }
@@ -881,7 +892,7 @@ void PacketPaths::show_colours(const FacePacket& faces, ColourLanes& shown) {
 // Local colours, and the mirrored rays of the next wave.
 void PacketPaths::finish_colours(std::size_t depth) {
     Wave& wave = *waves_[depth];
-    if (world_.features.reflection && waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(false));
+    if (world_.features.reflection && waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
     if (waves_.size() > depth + 1) waves_[depth + 1]->clear();
     for (std::size_t p = 0; p < face_packets_; ++p) {
         FacePacket& faces = *faces_[p];

@@ -42,8 +42,9 @@ public:
 private:
     static constexpr int wave_size = 64;
 
-    // Through transparent matter a ray may send two: longer waves are traced in portions.
-    static constexpr int portion_size = 128, longest_wave = 2 * portion_size;
+    // Through transparent matter, where more rays are needed so that many meet the same face, and a ray may send two: waves
+    // longer than a portion are traced one portion after the other.
+    static constexpr int first_wave_size = 256, portion_size = 2 * first_wave_size;
     // So many waves one after the other; then each ray goes on by itself.
     static constexpr std::size_t most_waves = 64;
 
@@ -66,7 +67,7 @@ private:
 
     // Rays on their way, and what each brings back.
     struct Wave {
-        explicit Wave(bool through_matter);
+        Wave();
 
         int count = 0;
         std::span<const RayPacket> rays;  // its own ones, or those of the camera
@@ -89,6 +90,7 @@ private:
         std::vector<Meetings> meetings;
         std::vector<Contribution> contributions;
 
+        void make_room(int rays);
         void clear();
         void fill_up();
         Ray ray(int i) const { return rays[i / width].ray(i % width); }
@@ -173,6 +175,7 @@ private:
     };
 
     const SolidsInReach* in_reach_of(std::size_t depth) const { return depth == 0 ? &tracer_.beam.solids() : nullptr; }
+    unsigned quarter_of(std::size_t depth, int packet) const;
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
     void trace_wave(std::size_t depth, std::span<FirstFace> first);
     std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first);
@@ -250,7 +253,8 @@ private:
     Tracer::Implementation& tracer_;
     const World& world_;
     PacketThroughWorld packet_;
-    std::vector<std::unique_ptr<Wave>> waves_;  // by depth
+    std::size_t camera_packets_ = 0, camera_packets_before_ = 0;  // of all that are traced, and before the wave under way
+    std::vector<std::unique_ptr<Wave>> waves_;                    // by depth
     std::vector<std::unique_ptr<FacePacket>> faces_;
     std::size_t face_packets_ = 0;  // in use
     FacePacket* single_faces_ = nullptr;

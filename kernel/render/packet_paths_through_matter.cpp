@@ -18,7 +18,7 @@
 namespace lapidary {
 
 void PacketPaths::trace_wave_through_matter(std::size_t depth, std::span<FirstFace> first) {
-    while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>(true));
+    while (waves_.size() <= depth + 1) waves_.push_back(std::make_unique<Wave>());
     Wave& wave = *waves_[depth];
     if (depth > 0) wave.fill_up();
     if (depth >= most_waves) {
@@ -35,6 +35,7 @@ void PacketPaths::trace_portion(std::size_t depth, std::span<FirstFace> first) {
     Wave &wave = *waves_[depth], &next = *waves_[depth + 1];
     face_packets_ = 0;
     single_faces_ = nullptr;
+    next.make_room(2 * (wave.end - wave.begin));  // as a face may send two
     next.clear();
     wave.contributions.clear();
     for (int packet = 0; packet < wave.packets_under_way(); ++packet) go_to_changes(depth, packet, first);
@@ -119,7 +120,7 @@ void PacketPaths::go_to_changes(std::size_t depth, int packet, std::span<FirstFa
     const PacketThroughWorld::Stretch& stretch = wave.stretches[begin / width];
     ChangePacket& changes = wave.changes[packet];
     Meetings& meetings = wave.meetings[packet];
-    packet_.first_changes(rays, stretch, in_reach_of(depth), changes, depth == 0 ? 1u << packet : SolidInReach::all_rays);
+    packet_.first_changes(rays, stretch, in_reach_of(depth), changes, quarter_of(depth, packet));
     find_meetings(changes, meetings);
     std::fill_n(wave.colours.begin() + begin, count, world_.background);
 

@@ -280,19 +280,20 @@ void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
 // A single sample is the middle of its pixel, and tells nothing of its error: there is nothing to remember of it.
 void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
     begin_tile(tile, worker);
-    for (int y = tile.y0; y < tile.y1; y += block_size)
-        for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += block_size)
-            sample_middles_of_block(intersection({x, y, x + block_size, y + block_size}, tile), worker);
+    const int size = plan_.rays_are_bent ? large_block_size : block_size;
+    for (int y = tile.y0; y < tile.y1; y += size)
+        for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += size)
+            sample_middles_of_block(intersection({x, y, x + size, y + size}, tile), worker);
 }
 
 void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
     SampleBatch& batch = *worker.batch;
     const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
     ask_for_colours(block);
-    if (const std::optional<Colour> known = spare(beam, pixel_count(block) == pixels_of_block, pixel_count(block), worker)) {
+    if (const std::optional<Colour> known = spare(beam, pixel_count(block) == samples_at_once(), pixel_count(block), worker)) {
         if (edges_.is_empty() && shows_colours_only(block) && is_finite(*known)) {
             paint(block, *known);
-            worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
+            worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
         } else {
             batch.fill(pixel_count(block), *known, wants_layers_);
             write_middles(block, worker);
@@ -307,7 +308,7 @@ void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
 
 // The samples of a block, one for each pixel, in the order of places_in_block.
 void Passes::write_middles(const PixelRegion& block, Worker& worker) {
-    if (shows_colours_only(block) && write_colours(block, worker)) return;
+    if (pixel_count(block) == pixels_of_block && shows_colours_only(block) && write_colours(block, worker)) return;
     const SampleBatch& batch = *worker.batch;
     std::size_t i = 0;
     for (const PixelPlace& place : places_in_block) {
@@ -327,13 +328,12 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
     if (edges_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
 }
 
-// Whole blocks of the colours of middles alone, which are most of what is ever written.
+// The colours of middles alone, which are most of what is ever written.
 bool Passes::shows_colours_only(const PixelRegion& block) const {
-    return !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(block) == pixels_of_block &&
-           pixel_count(intersection(block, region_)) == pixels_of_block;
+    return !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(intersection(block, region_)) == pixel_count(block);
 }
 
-// Whether all of them were finite; else nothing is written.
+// Of a whole block, whether all of them were finite; else nothing is written.
 bool Passes::write_colours(const PixelRegion& block, Worker& worker) {
     ChannelsOfBlock channels;
     if (!round_channels(&worker.batch->colours.front().r, channels)) return false;
@@ -395,7 +395,7 @@ void Passes::take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Wo
     SampleBatch& batch = *worker.batch;
     const auto add = [&](std::uint32_t number, Purpose purpose) {
         batch.add(place, number, &pixel, purpose);
-        if (batch.size == SampleBatch::most) flush(worker);
+        if (batch.size == samples_at_once()) flush(worker);
     };
     if (wants_layers_ && pixel.rays() == 0 && is_in(place, region_)) {
         batch.has_layers = true;

@@ -44,7 +44,7 @@ public:
     virtual void begin_tile(const Beam*) {}
     // Of these, the next within a part of it. The colour that all of them bring back from nowhere, where it is known that they
     // meet nothing: they need not be traced.
-    // `in_quarters`: packet n holds rays of the part's quarter n: left before right, top before bottom.
+    // `in_quarters`: each quarter of the packets holds rays of one of the part's: left before right, top before bottom.
     virtual std::optional<Colour> begin_part(const Beam*, bool in_quarters [[maybe_unused]]) { return std::nullopt; }
     virtual TraceStatistics statistics() const { return {}; }
 };

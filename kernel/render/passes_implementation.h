@@ -135,6 +135,9 @@ private:
     }
     // With a margin, as far as the picture goes.
     PixelRegion around_region(int margin) const { return intersection(grown(region_, margin), picture_); }
+    // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond; through glass, where rays
+    // take longer, it is noticed on their way.
+    std::size_t samples_at_once() const { return plan_.rays_are_bent ? pixels_of_large_block : pixels_of_block; }
     PixelSet& restless_pixels_of(const PixelRegion& tile) { return restless_[tile_number({tile.x0, tile.y0})]; }
     float greatest_move_in(const PixelRegion& tile) const { return greatest_moves_[tile_number({tile.x0, tile.y0})]; }
     // For a coarse picture, the middles of the pixels reveal edges. They stand for the pixels where nothing else varies within

@@ -20,8 +20,7 @@
 namespace lapidary {
 
 struct SampleBatch {
-    // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond.
-    static constexpr std::size_t most = pixels_of_block;
+    static constexpr std::size_t most = pixels_of_large_block;
 
     // What a ray is for: the colour of its pixel, the same in a negative lobe of the filter, or the layers beside it, which come
     // from the pixel's middle.

@@ -88,7 +88,7 @@ public:
     void begin_tile(const Beam* beam);
     // Of these, the next within a part of it. The colour that all of them bring back from nowhere, where it is known that they
     // meet nothing: they need not be traced.
-    // `in_quarters`: packet n holds rays of the part's quarter n: left before right, top before bottom.
+    // `in_quarters`: each quarter of the packets holds rays of one of the part's: left before right, top before bottom.
     std::optional<Colour> begin_part(const Beam* beam, bool in_quarters);
 
     // Keeps to one ray at a time where packets would be used: the oracle that packets are tested against.

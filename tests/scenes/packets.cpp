@@ -37,9 +37,9 @@ Ray ray_of(const CameraRays& camera, int x, int y) {
     return ray;
 }
 
-// Part by part, as pictures are made: first a tile, then blocks in it; returns how many rays were spared.
-std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector<RaySample>& picture) {
-    constexpr int tile = tile_size, block = block_size;
+// Part by part, as pictures are made: first a tile, then blocks of a size in it; returns how many rays were spared.
+std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, int block, std::vector<RaySample>& picture) {
+    constexpr int tile = tile_size;
     std::size_t spared = 0;
     std::vector<Ray> rays;
     std::vector<RaySample> samples;
@@ -56,7 +56,7 @@ std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, std::vector
             rays.clear(), places.clear();
             for (const PixelPlace& place : places_in_block) {
                 const int u = x + place.x, v = y + place.y;
-                if (u >= columns || v >= rows) continue;
+                if (place.x >= block || place.y >= block || u >= columns || v >= rows) continue;
                 rays.push_back(ray_of(camera, u, v));
                 places.push_back(static_cast<std::size_t>(v) * columns + static_cast<std::size_t>(u));
             }
@@ -80,16 +80,18 @@ int differences(const std::string& text, std::size_t* spared = nullptr) {
     std::vector<Ray> rays;
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) rays.push_back(ray_of(camera, x, y));
-    std::vector<RaySample> packets(rays.size()), parts(rays.size()), single(rays.size());
+    std::vector<RaySample> packets(rays.size()), parts(rays.size()), large_parts(rays.size()), single(rays.size());
     Tracer tracer(*world, built->scene->render, 0.001);
     tracer.trace(rays, packets);
-    const std::size_t known = trace_by_parts(tracer, camera, parts);
+    const std::size_t known = trace_by_parts(tracer, camera, block_size, parts);
+    trace_by_parts(tracer, camera, large_block_size, large_parts);
     if (spared) *spared = known;
     tracer.trace_one_by_one(true);
     tracer.trace(rays, single);
     int different = 0, met = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        different += !same_bits(packets[i], single[i]) || !same_bits(parts[i], single[i]);
+        different +=
+            !same_bits(packets[i], single[i]) || !same_bits(parts[i], single[i]) || !same_bits(large_parts[i], single[i]);
         met += single[i].object > 0;
     }
     CHECK(met > columns);  // something is to be seen
