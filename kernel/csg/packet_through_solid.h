@@ -45,7 +45,8 @@ public:
 
     // The first entry of every lane into a solid, as far as it is not beyond its limit, and the leaf entered by or, of negative
     // ones, left; -1 where that is not known. A start inside is an entry at 0.
-    // Where entries are `only_compared` with the limits, they may be off by their rounding.
+    // Where entries are `only_compared` with the limits, they may be any places of the solid's before their limits, for rays that
+    // come from outside.
     void enter(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared = false);
     // The way out of a solid that a lane starts in.
     double leave(const Solid& solid, int lane);
@@ -88,6 +89,8 @@ private:
     bool all_leave(const Solid& solid, const Lanes& limit) const;
     bool is_convex(const SurfaceUse& use) const;
     bool all_pass_beside(const Solid& solid, const Lanes& limit) const;
+    bool all_pass_through_ball(const Solid& solid, const Lanes& limit, Lanes& t) const;
+    bool may_depart_from(std::int32_t leaf) const;
     void enter_product(const Solid& solid, const Lanes& limit, Lanes& t, LeafLanes& leaf, bool only_compared);
     bool enter_positive_leaves(const Solid& solid, const Lanes& limit, bool only_compared, Lanes& t, Lanes& first_out,
                                LeafLanes& leaf);

@@ -42,13 +42,16 @@ public:
     }
 
     int met = 0, blocked = 0, different = 0;
+    int seen_at_once = 0;  // packets of which some rays are blocked, found without asking any object
 
 private:
     void compare() {
         waiting_.fill_up();
         BoundaryPacket boundaries;
         packets_->first_boundaries(waiting_, nullptr, boundaries);
+        const std::uint64_t tests_before = statistics_.object_tests;
         const unsigned bits = packets_->blocked(waiting_, distances_);
+        seen_at_once += bits != 0 && statistics_.object_tests == tests_before;
         for (int i = 0; i < waiting_.count; ++i) {
             single_->start(waiting_.ray(i));
             const Boundary expected = single_->next(0, Label{});
@@ -133,6 +136,30 @@ std::string rounded(double scale, const Point& place, int count) {
                             place.z + scale * coordinate(random));
     }
     return text + "}";
+}
+
+// Rays that run through balls, or past them, most by so much that it is certain, and end at all kinds of places on their way.
+void pass_balls(Comparison& comparison, double scale, double distance, int count) {
+    std::mt19937 random(29);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    const std::vector<Leaf>& leaves = comparison.world().leaves;
+    for (int k = 0; k < count; ++k) {
+        const Leaf& leaf = leaves[random() % leaves.size()];
+        const double radius = comparison.world().inner_radius(leaf), furthest = std::max(scale * distance, 2 * radius);
+        const Vector direction = normalize(Vector{coordinate(random), coordinate(random), coordinate(random)});
+        const Vector across = normalize(cross(direction, Vector{coordinate(random), coordinate(random), coordinate(random)}));
+        const double beside = std::array{1e-11, 1e-9, 1e-6, 1e-3, 0.1, 0.9}[random() % 6];
+        const double out = radius * (random() % 3 == 0 ? 1 + beside : 1 - beside);
+        const double half = std::max(1e-3 * radius, std::sqrt(std::max(0.0, (radius - out) * (radius + out))));
+        // Seldom where the ball is entered, at its middle or where it is left: else far before or behind.
+        const double off = 1 + std::array{1e-15, 1e-9, 1e-3}[random() % 3] * coordinate(random);
+        const double at_ball = off * half * std::array{-1.0, 0.0, 1.0}[random() % 3];
+        const bool begins_at_ball = random() % 16 == 0, ends_at_ball = random() % 16 == 0;
+        const double begin = begins_at_ball ? at_ball : -furthest;
+        const double far_end = random() % 4 == 0 ? begin + 0.5 * (furthest - radius) : furthest;
+        const double end = ends_at_ball ? at_ball : far_end;
+        comparison.add({leaf.anchor() + out * across + begin * direction, direction, {}, {}}, std::max(end - begin, 0.0));
+    }
 }
 
 // Packets of rays that graze one ball each, some by less than rounding, from before it, from within or from behind.
@@ -230,6 +257,27 @@ TEST_CASE("packets lose no ball: scales and distances", "[packets]") {
                 graze_balls(comparison, scale, distance, 60);
                 CHECK(comparison.met > 100);
                 CHECK(comparison.blocked > 20);
+                CHECK(comparison.different == 0);
+            }
+}
+
+TEST_CASE("packets of shadow rays know balls in their way: scales and distances", "[packets]") {
+    for (const double scale : {1.0, 1e-6, 1e6, 1e-25, 1e20, 1e-90, 1e90})
+        for (const double offset : {0.0, 1e3})
+            for (const double distance : {0.1, 10.0, 1e6}) {
+                CAPTURE(scale, offset, distance);
+                std::mt19937 random(31);
+                std::uniform_real_distribution<double> coordinate(-1, 1);
+                std::string text = "camera { } lights { ambient { } } objects {\n";
+                for (int i = 0; i < 5; ++i)
+                    text += fmt::format("sphere {{ radius({}); transform {{ rotx(20deg); translate({}, {}, {}); }} }}\n",
+                                        0.03 * scale * (1 + random() % 3), scale * (offset + coordinate(random)),
+                                        scale * (coordinate(random) - offset), scale * (3 * offset + coordinate(random)));
+                Comparison comparison(text + "}");
+                pass_balls(comparison, scale, distance, 4000);
+                CHECK(comparison.blocked > 1000);
+                const bool fits_floats = scale > 1e-30 && scale < 1e30;                  // else radii are not known
+                if (fits_floats && distance < 1e3) CHECK(comparison.seen_at_once > 20);  // from further away rounding says less
                 CHECK(comparison.different == 0);
             }
 }
