@@ -9,7 +9,7 @@
 // for the angle t between the axis and the way to the point. Close to the axis cosines say nothing (cos 1e-8 = 1), so
 // the difference of two of them is taken from the sines of half the angles, which keep every digit:
 //
-//     cos t - cos b = 2 (sin^2(b/2) - sin^2(t/2)),   sin(t/2) = |v - d|/2 for unit vectors v and d.
+//     cos t - cos b = 2 (sin^2(b/2) - sin^2(t/2)),   sin^2(t/2) = |v - d|^2/4 for unit vectors v and d.
 
 #include <lapidary/batched_light.h>
 #include <lapidary/light_geometry.h>
@@ -37,7 +37,10 @@ public:
         schema.require("the first angle must not be larger than the second", [](const Spot& s) { return s.inner_ <= s.outer_; });
         schema.derive([](Spot& s) {
             s.axis_ = normalize(s.direction_);
-            s.sine_of_half_inner_ = std::sin(s.inner_ / 2), s.sine_of_half_outer_ = std::sin(s.outer_ / 2);
+            s.squared_sine_of_half_inner_ = std::pow(std::sin(s.inner_ / 2), 2);
+            s.squared_sine_of_half_outer_ = std::pow(std::sin(s.outer_ / 2), 2);
+            // Two angles that are next to each other, too, differ in all digits of this product.
+            s.inverse_of_edge_ = 1 / (std::sin((s.outer_ - s.inner_) / 2) * std::sin((s.outer_ + s.inner_) / 2));
             s.sine_of_outer_ = std::sin(s.outer_), s.cosine_of_outer_ = std::cos(s.outer_);
         });
     }
@@ -75,8 +78,8 @@ public:
 private:
     // Chosen instead of returned early, so that a loop over points stays vector instructions.
     double part_within_cone(const Vector& way) const {
-        const double inner = sine_of_half_inner_, outer = sine_of_half_outer_, off_axis = length(way - axis_) / 2;
-        const double s = (outer - off_axis) * (outer + off_axis) / ((outer - inner) * (outer + inner));
+        const double inner = squared_sine_of_half_inner_, outer = squared_sine_of_half_outer_;
+        const double off_axis = length_squared(way - axis_) / 4, s = (outer - off_axis) * inverse_of_edge_;
         const double between = off_axis < outer ? s * s * (3 - 2 * s) : 0;
         const bool is_full = inner > 0 && off_axis <= inner;  // angles of 0 let nothing through, angles of 180deg everything
         return is_full ? 1 : between;
@@ -90,7 +93,8 @@ private:
     double radius_ = 0;
 
     Vector axis_;  // a unit vector
-    double sine_of_half_inner_ = 0, sine_of_half_outer_ = 0, sine_of_outer_ = 0, cosine_of_outer_ = 1;
+    double squared_sine_of_half_inner_ = 0, squared_sine_of_half_outer_ = 0, inverse_of_edge_ = 0;
+    double sine_of_outer_ = 0, cosine_of_outer_ = 1;
 };
 
 LAPIDARY_PLUGIN(Spot)
