@@ -11,6 +11,9 @@ namespace lapidary {
 namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
+// From so much on, a large page that stays empty in part costs less than small ones: 40 to 140 us were measured for a large page,
+// 1.2 us for each small one.
+constexpr std::size_t worth_large_page = large_page / 8;
 
 std::size_t in_large_pages(std::size_t bytes) { return (bytes + large_page - 1) / large_page * large_page; }
 
@@ -18,7 +21,7 @@ std::size_t in_large_pages(std::size_t bytes) { return (bytes + large_page - 1) 
 
 // Large pages begin at multiples of their size: more is mapped, and what lies before and behind is given back.
 void* allocate_zero(std::size_t bytes) {
-    if (bytes < large_page) {
+    if (bytes < worth_large_page) {
         if (void* const memory = std::calloc(bytes, 1)) return memory;
         throw std::bad_alloc();
     }
@@ -35,7 +38,7 @@ void* allocate_zero(std::size_t bytes) {
 }
 
 void free_zero(void* memory, std::size_t bytes) {
-    if (bytes < large_page)
+    if (bytes < worth_large_page)
         std::free(memory);
     else
         munmap(memory, in_large_pages(bytes));

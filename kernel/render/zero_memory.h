@@ -4,7 +4,7 @@
 //
 // It is zero because the system gives it so: pages that nothing is written to are never made, and the others by the threads that
 // write to them. Of much memory the pages are large where the system has such: making and finding small ones is up to a tenth of
-// the time that a simple picture takes.
+// the time that a simple picture takes, be it large or small.
 #pragma once
 
 #include <cstddef>
