@@ -43,12 +43,12 @@ public:
         middles_[index] = colour;
         followed_[index].rays = 1;
     }
-    // The middles of a block's pixels, to be written there, and how far it is from one row of them to the next.
-    FloatColour* begin_middles(const PixelRegion& block) {
-        for (int y = block.y0; y < block.y1; ++y)
-            std::fill_n(followed_.begin() + static_cast<std::ptrdiff_t>(index_of({block.x0, y})), block.width(),
+    // The middles of a part's pixels, to be written there, and how far it is from one row of them to the next.
+    FloatColour* begin_middles(const PixelRegion& part) {
+        for (int y = part.y0; y < part.y1; ++y)
+            std::fill_n(followed_.begin() + static_cast<std::ptrdiff_t>(index_of({part.x0, y})), part.width(),
                         Followed{.rays = 1});
-        return &middles_[index_of({block.x0, block.y0})];
+        return &middles_[index_of({part.x0, part.y0})];
     }
     std::ptrdiff_t row_of_middles() const { return area_.width(); }
 

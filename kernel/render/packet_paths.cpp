@@ -50,11 +50,10 @@ PacketPaths::PacketPaths(Tracer::Implementation& tracer)
 void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces) {
     if (waves_.empty()) waves_.push_back(std::make_unique<Wave>());
     Wave& wave = *waves_[0];
-    const std::size_t most = world_.features.transparency ? first_wave_size : wave_size;
     camera_packets_ = rays.size();
-    for (std::size_t begin = 0; begin < colours.size() && !tracer_.is_stopped(); begin += most) {
+    for (std::size_t begin = 0; begin < colours.size() && !tracer_.is_stopped(); begin += wave_size) {
         camera_packets_before_ = begin / width;
-        const std::size_t size = std::min(most, colours.size() - begin);
+        const std::size_t size = std::min<std::size_t>(wave_size, colours.size() - begin);
         wave.count = static_cast<int>(size);
         if (world_.features.transparency) wave.make_room(wave.count);
         wave.rays = rays.subspan(begin / width, (size + width - 1) / width);
@@ -82,12 +81,13 @@ void PacketPaths::trace_wave(std::size_t depth, std::span<FirstFace> first) {
     const std::size_t packets = (static_cast<std::size_t>(wave.count) + width - 1) / width;
     face_packets_ = 0;
     single_faces_ = nullptr;
-    std::uint64_t waiting = 0;
+    WaitingRays waiting{};
     wave.some_start_inside = false;
     for (std::size_t p = 0; p < packets; ++p) {
+        if (tracer_.is_stopped()) return;
         packet_.first_boundaries(wave.rays[p], in_reach_of(depth), wave.boundaries[p], quarter_of(depth, static_cast<int>(p)));
         wave.some_start_inside |= wave.boundaries[p].starts_inside != 0;
-        waiting |= collect_faces_of(wave, static_cast<int>(p), first) << (p * width);
+        waiting[p] = collect_faces_of(wave, static_cast<int>(p), first);
     }
     collect_faces(wave, waiting, first);
     light_faces(depth);
@@ -120,12 +120,12 @@ bool PacketPaths::is_plain(const Wave& wave, int ray) const {
 
 // Of one packet; returns the rays that are to be gathered with those of others: bit i for ray i. Where all rays meet the same
 // face, as is usual where they are close together, nothing has to be gathered.
-std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first) {
+unsigned PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first) {
     const BoundaryPacket& boundaries = wave.boundaries[packet];
     const int begin = packet * width, count = std::min(width, wave.count - begin);
-    constexpr std::uint64_t all = (1u << width) - 1;
-    const std::uint64_t with_ray = (std::uint64_t{1} << count) - 1, met = finite_lanes(boundaries.t) & with_ray;
-    for (std::uint64_t rest = with_ray & ~met; rest != 0; rest &= rest - 1)
+    constexpr unsigned all = (1u << width) - 1;
+    const unsigned with_ray = (1u << count) - 1, met = finite_lanes(boundaries.t) & with_ray;
+    for (unsigned rest = with_ray & ~met; rest != 0; rest &= rest - 1)
         wave.colours[begin + std::countr_zero(rest)] = world_.background;
     if (met != all || !boundaries.are_of_one_face() || !is_plain(wave, begin)) return met;
 
@@ -142,22 +142,22 @@ std::uint64_t PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<Fi
     return 0;
 }
 
-void PacketPaths::collect_faces(Wave& wave, std::uint64_t waiting, std::span<FirstFace> first) {
-    while (waiting != 0) {
-        const int ray = std::countr_zero(waiting);
-        if (is_plain(wave, ray)) {
-            meet_plain_faces(wave, waiting, first);
-        } else {
-            waiting &= waiting - 1;
-            meet_single_face(wave, ray, first);
+void PacketPaths::collect_faces(Wave& wave, WaitingRays& waiting, std::span<FirstFace> first) {
+    for (std::size_t packet = 0; packet < waiting.size(); ++packet)
+        while (waiting[packet] != 0) {
+            const int ray = static_cast<int>(packet) * width + std::countr_zero(waiting[packet]);
+            if (is_plain(wave, ray)) {
+                meet_plain_faces(wave, ray, waiting, first);
+            } else {
+                waiting[packet] &= waiting[packet] - 1;
+                meet_single_face(wave, ray, first);
+            }
         }
-    }
     if (single_faces_) single_faces_->fill_up();
 }
 
 // The first waiting ray's face, together with those of other rays that meet the same one.
-void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<FirstFace> first) {
-    const int leader = std::countr_zero(waiting);
+void PacketPaths::meet_plain_faces(Wave& wave, int leader, WaitingRays& waiting, std::span<FirstFace> first) {
     const std::int32_t index = wave.leaf(leader), face = wave.face(leader);
     const Leaf& leaf = world_.leaves[index];
     FacePacket& faces = new_faces();
@@ -165,11 +165,11 @@ void PacketPaths::meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span
     Lanes t;
     for (int packet = leader / width; packet < wave_size / width && !faces.is_full(); ++packet) {
         const BoundaryPacket& met = wave.boundaries[packet];
-        unsigned rest = static_cast<std::uint16_t>(waiting >> packet * width);
-        rest &= lanes_with(met.leaf, index) & lanes_with(met.face, face);
+        if (waiting[packet] == 0) continue;
+        unsigned rest = waiting[packet] & lanes_with(met.leaf, index) & lanes_with(met.face, face);
         for (; rest != 0 && !faces.is_full(); rest &= rest - 1) {
             const int lane = std::countr_zero(rest), ray = packet * width + lane, number = faces.count++;
-            waiting &= ~(std::uint64_t{1} << ray);
+            waiting[packet] &= ~(1u << lane);
             rays.add(wave.rays[packet], lane);
             t[number] = met.t[lane], faces.ray[number] = ray;
         }
@@ -584,30 +584,39 @@ void PacketPaths::FacePacket::fill_up() {
 
 // ---- lights ----------------------------------------------------------------------------------------------------------
 
-// Faces of camera rays lie close together, so that little stands between all of them and a light.
+// Faces of camera rays lie close together, so that little stands between all of them and a light. The fewer faces, the less it
+// is; but where rays see many solids it is much for any faces, and those of small solids had rather be many, so that shadow rays
+// find company.
 void PacketPaths::light_faces(std::size_t depth) {
-    if (face_packets_ == 0) return;
+    constexpr std::size_t few_solids = 8, few_packets = 8;
     const SolidsInReach* seen = in_reach_of(depth);
-    const bool are_close = seen && seen->are_known;
+    const bool are_close = seen && seen->are_known, see_few = are_close && seen->bounded.size() <= few_solids;
     for (std::size_t p = 0; p < face_packets_; ++p) begin_light(*faces_[p]);
+    const FacePackets all(faces_.data(), face_packets_);
+    const std::size_t at_once = see_few ? few_packets : face_packets_;
+    for (std::size_t begin = 0; begin < face_packets_ && !tracer_.is_stopped(); begin += at_once)
+        light_faces(all.subspan(begin, std::min(at_once, face_packets_ - begin)), are_close);
+}
+
+void PacketPaths::light_faces(FacePackets packets, bool are_close) {
     waiting_.rays.clear(), dimmed_.rays.clear();
-    const Bounds bounds = bounds_of_faces();
+    const Bounds bounds = bounds_of(packets);
     AimedLights aimed;
     for (const auto& light : world_.lights) {
         if (!light->may_reach(bounds)) {
-            pass_over(*light);
+            pass_over(*light, packets);
             continue;
         }
         const std::optional<Bounds> place = are_close ? light->place() : std::nullopt;
         before_light_ = nullptr;
-        for (std::size_t p = 0; p < face_packets_; ++p) {
-            aim(*light, *faces_[p], aimed);
+        for (const std::unique_ptr<FacePacket>& faces : packets) {
+            aim(*light, *faces, aimed);
             if (aimed.arrives == 0) continue;
             if (place && !before_light_) {
                 to_light_.begin(bounds, *place);
                 before_light_ = &to_light_.solids();
             }
-            send_shadow_rays(*faces_[p], aimed);
+            send_shadow_rays(*faces, aimed);
         }
         cast_waiting_shadows();
         cast_dimmed_shadows();
@@ -615,18 +624,17 @@ void PacketPaths::light_faces(std::size_t depth) {
 }
 
 // A light that reaches no face; samples are numbered as if it did.
-void PacketPaths::pass_over(const Light& light) {
-    for (std::size_t p = 0; p < face_packets_; ++p) {
-        FacePacket& faces = *faces_[p];
-        tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces.count);
-        for (int i = 0; light.has_extent() && i < faces.count; ++i) ++faces.light_samples[i];
+void PacketPaths::pass_over(const Light& light, FacePackets packets) {
+    for (const std::unique_ptr<FacePacket>& faces : packets) {
+        tracer_.statistics.shadow_rays_skipped += static_cast<std::uint64_t>(faces->count);
+        for (int i = 0; light.has_extent() && i < faces->count; ++i) ++faces->light_samples[i];
     }
 }
 
-Bounds PacketPaths::bounds_of_faces() const {
+Bounds PacketPaths::bounds_of(FacePackets packets) {
     Bounds bounds = Bounds::empty();
-    for (std::size_t p = 0; p < face_packets_; ++p) {
-        const PointBatch& points = faces_[p]->points;
+    for (const std::unique_ptr<FacePacket>& faces : packets) {
+        const PointBatch& points = faces->points;
         bounds = unite(bounds, Bounds{{least(points.x), least(points.y), least(points.z)},
                                       {largest(points.x), largest(points.y), largest(points.z)}});
     }

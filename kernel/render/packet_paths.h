@@ -40,13 +40,16 @@ public:
     void trace(std::span<const RayPacket> rays, std::span<Colour> colours, std::span<FirstFace> faces);
 
 private:
-    static constexpr int wave_size = 64;
+    // So many that most packets of faces are full, whether many small solids are seen or rays are spread by glass.
+    static constexpr int wave_size = 256;
 
-    // Through transparent matter, where more rays are needed so that many meet the same face, and a ray may send two: waves
-    // longer than a portion are traced one portion after the other.
-    static constexpr int first_wave_size = 256, portion_size = 2 * first_wave_size;
+    // Through transparent matter a ray may send two: waves longer than a portion are traced one portion after the other.
+    static constexpr int portion_size = 2 * wave_size;
     // So many waves one after the other; then each ray goes on by itself.
     static constexpr std::size_t most_waves = 64;
+
+    // Rays of a wave whose faces are to be gathered with those of others: of each packet, bit i for ray i.
+    using WaitingRays = std::array<unsigned, wave_size / width>;
 
     // What a ray of the next wave, or the background where the path ends, adds to a ray of this one.
     struct Contribution {
@@ -138,6 +141,8 @@ private:
         void depart(const VectorLanes& directions, RayPacket& rays) const;
     };
 
+    using FacePackets = std::span<const std::unique_ptr<FacePacket>>;
+
     // Points of the lanes that meet a face beside the origins of their rays.
     struct NearPoints {
         std::uint64_t lanes = 0;
@@ -178,10 +183,10 @@ private:
     unsigned quarter_of(std::size_t depth, int packet) const;
     // Depth 0 are camera rays; `first` is empty or has a place for each ray.
     void trace_wave(std::size_t depth, std::span<FirstFace> first);
-    std::uint64_t collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first);
-    void collect_faces(Wave& wave, std::uint64_t waiting, std::span<FirstFace> first);
+    unsigned collect_faces_of(Wave& wave, int packet, std::span<FirstFace> first);
+    void collect_faces(Wave& wave, WaitingRays& waiting, std::span<FirstFace> first);
     bool is_plain(const Wave& wave, int ray) const;
-    void meet_plain_faces(Wave& wave, std::uint64_t& waiting, std::span<FirstFace> first);
+    void meet_plain_faces(Wave& wave, int leader, WaitingRays& waiting, std::span<FirstFace> first);
     void note_paths(const Wave& wave, const Lanes& t, FacePacket& faces);
     void note_rays(const Wave& wave, std::int32_t leaf, const RayPacket& rays, const Lanes& t, FacePacket& faces);
     void show_leaf(const Leaf& leaf, std::int32_t solid, FacePacket& faces, std::span<FirstFace> first);
@@ -202,13 +207,14 @@ private:
     MatterSite site_of(const FacePacket& faces, int lane) const;
     void give_matter(const MaterialInstance& material, FacePacket& faces);
     void light_faces(std::size_t depth);
+    void light_faces(FacePackets packets, bool are_close);
     void begin_light(FacePacket& faces);
-    void pass_over(const Light& light);
+    void pass_over(const Light& light, FacePackets packets);
     static LightSampleBatch light_samples(FacePacket& faces);
     void aim(const Light& light, FacePacket& faces, AimedLights& aimed);
     void send_shadow_rays(FacePacket& faces, const AimedLights& aimed);
     static void aim_shadow_rays(const FacePacket& faces, const AimedLights& aimed, AimedShadows& shadows);
-    Bounds bounds_of_faces() const;
+    static Bounds bounds_of(FacePackets packets);
     bool are_clear(const FacePacket& faces, const AimedLights& aimed) const;
     PacketThroughWorld::Shadows find_shadows(const RayPacket& rays, const Lanes& distances);
     static void light_faces_of(const AimedLights& aimed, unsigned lanes, FacePacket& faces);

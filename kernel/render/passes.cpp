@@ -44,26 +44,26 @@ std::uint64_t samples_to_come(const Pixel& pixel, std::uint32_t next, double tol
     return taken - pixel.taken;
 }
 
-constexpr std::size_t colour_channels = channels_of(Layer::colour), channels_of_block = colour_channels * pixels_of_block;
+constexpr std::size_t colour_channels = channels_of(Layer::colour), channels_of_part = colour_channels * pixels_of_part;
 static_assert(sizeof(Colour) == colour_channels * sizeof(double) && sizeof(FloatColour) == colour_channels * sizeof(float));
-using ChannelsOfBlock = std::array<float, channels_of_block>;
+using ChannelsOfPart = std::array<float, channels_of_part>;
 
-// The channels of a block's colours as floats; whether all were finite.
-[[gnu::noinline]] bool round_channels(const double* __restrict channels, ChannelsOfBlock& __restrict rounded) {
+// The channels of a part's colours as floats; whether all were finite.
+[[gnu::noinline]] bool round_channels(const double* __restrict channels, ChannelsOfPart& __restrict rounded) {
     std::int64_t finite = 0;
-    for (std::size_t i = 0; i < channels_of_block; ++i) {
+    for (std::size_t i = 0; i < channels_of_part; ++i) {
         finite += std::fabs(channels[i]) < infinity ? 1 : 0;
         rounded[i] = to_float(channels[i]);
     }
-    return finite == channels_of_block;
+    return finite == channels_of_part;
 }
 
-// In the order of places_in_block, where pixels stand beside each other by twos. `row` is from one row of the picture to the
+// In the order of places_in_part, where pixels stand beside each other by twos. `row` is from one row of the picture to the
 // next.
-void store_channels(const ChannelsOfBlock& channels, float* corner, std::ptrdiff_t row) {
+void store_channels(const ChannelsOfPart& channels, float* corner, std::ptrdiff_t row) {
     constexpr std::size_t of_two = 2 * colour_channels;
-    for (std::size_t i = 0; i < pixels_of_block; i += 2) {
-        const PixelPlace& place = places_in_block[i];
+    for (std::size_t i = 0; i < pixels_of_part; i += 2) {
+        const PixelPlace& place = places_in_part[i];
         std::copy_n(&channels[colour_channels * i], of_two, corner + place.y * row + std::ptrdiff_t{colour_channels} * place.x);
     }
 }
@@ -280,40 +280,39 @@ void Passes::sample_tile(const PixelRegion& tile, int samples, Worker& worker) {
 // A single sample is the middle of its pixel, and tells nothing of its error: there is nothing to remember of it.
 void Passes::sample_middles(const PixelRegion& tile, Worker& worker) {
     begin_tile(tile, worker);
-    const int size = plan_.rays_are_bent ? large_block_size : block_size;
-    for (int y = tile.y0; y < tile.y1; y += size)
-        for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += size)
-            sample_middles_of_block(intersection({x, y, x + size, y + size}, tile), worker);
+    for (int y = tile.y0; y < tile.y1; y += part_size)
+        for (int x = tile.x0; x < tile.x1 && !is_stopped(); x += part_size)
+            sample_middles_of_part(intersection({x, y, x + part_size, y + part_size}, tile), worker);
 }
 
-void Passes::sample_middles_of_block(const PixelRegion& block, Worker& worker) {
+void Passes::sample_middles_of_part(const PixelRegion& part, Worker& worker) {
     SampleBatch& batch = *worker.batch;
-    const std::optional<Beam> beam = camera_.beam(block.x0 + 0.5, block.y0 + 0.5, block.x1 - 0.5, block.y1 - 0.5);
-    ask_for_colours(block);
-    if (const std::optional<Colour> known = spare(beam, pixel_count(block) == samples_at_once(), pixel_count(block), worker)) {
-        if (edges_.is_empty() && shows_colours_only(block) && is_finite(*known)) {
-            paint(block, *known);
-            worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
+    const std::optional<Beam> beam = camera_.beam(part.x0 + 0.5, part.y0 + 0.5, part.x1 - 0.5, part.y1 - 0.5);
+    ask_for_colours(part);
+    if (const std::optional<Colour> known = spare(beam, pixel_count(part) == pixels_of_part, pixel_count(part), worker)) {
+        if (edges_.is_empty() && shows_colours_only(part) && is_finite(*known)) {
+            paint(part, *known);
+            worker.report.samples += pixel_count(part), worker.report.pixels += pixel_count(part);
         } else {
-            batch.fill(pixel_count(block), *known, wants_layers_);
-            write_middles(block, worker);
+            batch.fill(pixel_count(part), *known, wants_layers_);
+            write_middles(part, worker);
         }
         return;
     }
 
     const bool keys_count = plan_.lights_are_sampled || camera_.has_lens();
-    const std::size_t size = batch.place_in_middles(block, camera_, keys_count ? std::optional(options_.sequence) : std::nullopt);
-    if (trace(worker, size, wants_layers_)) write_middles(block, worker);
+    const std::size_t size = batch.place_in_middles(part, camera_, keys_count ? std::optional(options_.sequence) : std::nullopt);
+    if (trace(worker, size, wants_layers_)) write_middles(part, worker);
 }
 
-// The samples of a block, one for each pixel, in the order of places_in_block.
-void Passes::write_middles(const PixelRegion& block, Worker& worker) {
-    if (pixel_count(block) == pixels_of_block && shows_colours_only(block) && write_colours(block, worker)) return;
+// The samples of a part, one for each pixel, in the order of places_in_part.
+void Passes::write_middles(const PixelRegion& part, Worker& worker) {
+    if (pixel_count(part) == pixels_of_part && shows_colours_only(part) && write_colours(part, worker)) return;
     const SampleBatch& batch = *worker.batch;
     std::size_t i = 0;
-    for (const PixelPlace& place : places_in_block) {
-        const PixelPlace pixel{block.x0 + place.x, block.y0 + place.y};
-        if (!is_in(pixel, block)) continue;
+    for (const PixelPlace& place : places_in_part) {
+        const PixelPlace pixel{part.x0 + place.x, part.y0 + place.y};
+        if (!is_in(pixel, part)) continue;
         const bool finite = is_finite(batch.colours[i]);
         const Colour colour = finite ? batch.colours[i] : Colour::black();
         worker.non_finite_samples += !finite;
@@ -325,32 +324,32 @@ void Passes::write_middles(const PixelRegion& block, Worker& worker) {
         }
         ++i;
     }
-    if (edges_.is_empty()) worker.report.samples += pixel_count(block), worker.report.pixels += pixel_count(block);
+    if (edges_.is_empty()) worker.report.samples += pixel_count(part), worker.report.pixels += pixel_count(part);
 }
 
 // The colours of middles alone, which are most of what is ever written.
-bool Passes::shows_colours_only(const PixelRegion& block) const {
-    return !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(intersection(block, region_)) == pixel_count(block);
+bool Passes::shows_colours_only(const PixelRegion& part) const {
+    return !wants_layers_ && !frame_.has(Layer::samples) && pixel_count(intersection(part, region_)) == pixel_count(part);
 }
 
-// Of a whole block, whether all of them were finite; else nothing is written.
-bool Passes::write_colours(const PixelRegion& block, Worker& worker) {
-    ChannelsOfBlock channels;
+// Of a whole part, whether all of them were finite; else nothing is written.
+bool Passes::write_colours(const PixelRegion& part, Worker& worker) {
+    ChannelsOfPart channels;
     if (!round_channels(&worker.batch->colours.front().r, channels)) return false;
-    store_channels(channels, frame_.row(Layer::colour, block.x0, block.x1, block.y0).data(), row_of_colours());
+    store_channels(channels, frame_.row(Layer::colour, part.x0, part.x1, part.y0).data(), row_of_colours());
     if (edges_.is_empty())
-        worker.report.samples += pixels_of_block, worker.report.pixels += pixels_of_block;
+        worker.report.samples += pixels_of_part, worker.report.pixels += pixels_of_part;
     else
-        store_channels(channels, &edges_.begin_middles(block)->r, std::ptrdiff_t{colour_channels} * edges_.row_of_middles());
+        store_channels(channels, &edges_.begin_middles(part)->r, std::ptrdiff_t{colour_channels} * edges_.row_of_middles());
     return true;
 }
 
 // Before they are written: memory that nothing was written to yet is far away.
-void Passes::ask_for_colours(const PixelRegion& block) {
+void Passes::ask_for_colours(const PixelRegion& part) {
     constexpr std::ptrdiff_t cache_line = 64 / sizeof(float);
-    float* row = frame_.row(Layer::colour, block.x0, block.x1, block.y0).data();
-    for (int y = block.y0; y < block.y1; ++y, row += row_of_colours())
-        for (std::ptrdiff_t i = 0; i < block.width() * std::ptrdiff_t{colour_channels}; i += cache_line)
+    float* row = frame_.row(Layer::colour, part.x0, part.x1, part.y0).data();
+    for (int y = part.y0; y < part.y1; ++y, row += row_of_colours())
+        for (std::ptrdiff_t i = 0; i < part.width() * std::ptrdiff_t{colour_channels}; i += cache_line)
             __builtin_prefetch(row + i, 1);
 }
 
@@ -395,7 +394,7 @@ void Passes::take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Wo
     SampleBatch& batch = *worker.batch;
     const auto add = [&](std::uint32_t number, Purpose purpose) {
         batch.add(place, number, &pixel, purpose);
-        if (batch.size == samples_at_once()) flush(worker);
+        if (batch.size == SampleBatch::most) flush(worker);
     };
     if (wants_layers_ && pixel.rays() == 0 && is_in(place, region_)) {
         batch.has_layers = true;

@@ -110,7 +110,7 @@ void Passes::look_beside_middles(const PixelRegion& tile, PixelSet& restless, Wo
     const auto look = [&] { look_beside(std::span(pixels).first(std::exchange(count, 0)), restless, worker); };
     calm.for_each(tile, [&](PixelPlace pixel) {
         pixels[count++] = pixel;
-        if (count == samples_at_once()) look();
+        if (count == pixels.size()) look();
     });
     if (count > 0) look();
 }
@@ -174,8 +174,8 @@ bool Passes::trace_grid(const PixelRegion& tile, Worker& worker) {
     bool has_begun = false;
     for (std::span places = worker.grid->ask(); !places.empty(); places = worker.grid->ask()) {
         if (!std::exchange(has_begun, true)) begin_tile(tile, reach, worker);
-        for (std::size_t first = 0; first < places.size(); first += samples_at_once()) {
-            const std::span batch = places.subspan(first, std::min(samples_at_once(), places.size() - first));
+        for (std::size_t first = 0; first < places.size(); first += SampleBatch::most) {
+            const std::span batch = places.subspan(first, std::min(SampleBatch::most, places.size() - first));
             if (!trace_places(batch, worker)) return false;
             for (std::size_t i = 0; i < batch.size(); ++i) worker.grid->tell(first + i, worker.batch->colours[i]);
         }

@@ -96,11 +96,11 @@ private:
     void take_samples(PixelPlace place, Pixel& pixel, std::uint32_t goal, Worker& worker);
     void sample_tile(const PixelRegion& tile, int samples, Worker& worker);
     void sample_middles(const PixelRegion& tile, Worker& worker);
-    void sample_middles_of_block(const PixelRegion& block, Worker& worker);
-    void write_middles(const PixelRegion& block, Worker& worker);
-    bool shows_colours_only(const PixelRegion& block) const;
-    bool write_colours(const PixelRegion& block, Worker& worker);
-    void ask_for_colours(const PixelRegion& block);
+    void sample_middles_of_part(const PixelRegion& part, Worker& worker);
+    void write_middles(const PixelRegion& part, Worker& worker);
+    bool shows_colours_only(const PixelRegion& part) const;
+    bool write_colours(const PixelRegion& part, Worker& worker);
+    void ask_for_colours(const PixelRegion& part);
     std::ptrdiff_t row_of_colours() const;
     void paint(const PixelRegion& part, const Colour& colour);
     void flush(Worker& worker);
@@ -135,9 +135,6 @@ private:
     }
     // With a margin, as far as the picture goes.
     PixelRegion around_region(int margin) const { return intersection(grown(region_, margin), picture_); }
-    // So few that a cancellation is noticed within 50 ms even where a ray takes half a millisecond; through glass, where rays
-    // take longer, it is noticed on their way.
-    std::size_t samples_at_once() const { return plan_.rays_are_bent ? pixels_of_large_block : pixels_of_block; }
     PixelSet& restless_pixels_of(const PixelRegion& tile) { return restless_[tile_number({tile.x0, tile.y0})]; }
     float greatest_move_in(const PixelRegion& tile) const { return greatest_moves_[tile_number({tile.x0, tile.y0})]; }
     // For a coarse picture, the middles of the pixels reveal edges. They stand for the pixels where nothing else varies within

@@ -5,16 +5,16 @@
 
 namespace lapidary {
 
-std::size_t SampleBatch::take_block(const PixelRegion& block) {
-    if (pixel_count(block) == pixels_of_block) {
-        for (std::size_t i = 0; i < pixels_of_block; ++i) x[i] = block.x0 + places_in_block[i].x;
-        for (std::size_t i = 0; i < pixels_of_block; ++i) y[i] = block.y0 + places_in_block[i].y;
-        return pixels_of_block;
+std::size_t SampleBatch::take_part(const PixelRegion& part) {
+    if (pixel_count(part) == pixels_of_part) {
+        for (std::size_t i = 0; i < pixels_of_part; ++i) x[i] = part.x0 + places_in_part[i].x;
+        for (std::size_t i = 0; i < pixels_of_part; ++i) y[i] = part.y0 + places_in_part[i].y;
+        return pixels_of_part;
     }
     std::size_t count = 0;
-    for (const PixelPlace& in_block : places_in_block) {
-        const PixelPlace place{block.x0 + in_block.x, block.y0 + in_block.y};
-        if (!is_in(place, block)) continue;
+    for (const PixelPlace& in_part : places_in_part) {
+        const PixelPlace place{part.x0 + in_part.x, part.y0 + in_part.y};
+        if (!is_in(place, part)) continue;
         x[count] = place.x, y[count] = place.y;
         ++count;
     }
@@ -36,9 +36,9 @@ void SampleBatch::place(std::size_t count, const CameraRays& camera, const Pixel
     }
 }
 
-std::size_t SampleBatch::place_in_middles(const PixelRegion& block, const CameraRays& camera,
+std::size_t SampleBatch::place_in_middles(const PixelRegion& part, const CameraRays& camera,
                                           std::optional<std::uint32_t> sequence) {
-    const std::size_t count = take_block(block);
+    const std::size_t count = take_part(part);
     if (sequence) number.fill(0);
     repeat_last(count);
     for (std::size_t p = 0; p * batch_size < count; ++p) {

@@ -20,7 +20,7 @@
 namespace lapidary {
 
 struct SampleBatch {
-    static constexpr std::size_t most = pixels_of_large_block;
+    static constexpr std::size_t most = pixels_of_part;
 
     // What a ray is for: the colour of its pixel, the same in a negative lobe of the filter, or the layers beside it, which come
     // from the pixel's middle.
@@ -50,9 +50,9 @@ struct SampleBatch {
         if (with_faces) std::fill_n(faces.begin(), count, FirstFace{});
     }
 
-    // The middles of the pixels of a block, in the order of places_in_block; how many they are. Their keys are set where anything
+    // The middles of the pixels of a part, in the order of places_in_part; how many they are. Their keys are set where anything
     // asks for them.
-    std::size_t place_in_middles(const PixelRegion& block, const CameraRays& camera, std::optional<std::uint32_t> sequence);
+    std::size_t place_in_middles(const PixelRegion& part, const CameraRays& camera, std::optional<std::uint32_t> sequence);
     // Sets the places of the first `count` samples.
     void place(std::size_t count, const CameraRays& camera, const PixelFilter& filter, std::uint32_t sequence);
 
@@ -68,7 +68,7 @@ struct SampleBatch {
     std::span<const RayPacket> rays_of(std::size_t count, const CameraRays& camera);
 
 private:
-    std::size_t take_block(const PixelRegion& block);
+    std::size_t take_part(const PixelRegion& part);
     void repeat_last(std::size_t count);
     void set_keys(std::size_t packet, const CameraRays& camera, std::uint32_t sequence);
     void place_packet(std::size_t packet, const PixelFilter& filter);

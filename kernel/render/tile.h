@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A picture in squares: tiles of 32 x 32 pixels, which threads share, of blocks of 8 x 8 pixels, whose rays travel together. Both
-// the blocks of a tile and the pixels of a block are walked along the Z-shaped curve of Morton: what is close together in time is
-// close together in the picture. Where rays are bent, those of four blocks travel together: of rays that glass has spread, more
-// meet the same faces.
+// A picture in squares: tiles of 32 x 32 pixels, which threads share, of parts of 16 x 16 pixels, whose rays travel together, of
+// blocks of 8 x 8 pixels, a bit for each of which fits a word. Both the blocks of a tile and the pixels of a block or a part are
+// walked along the Z-shaped curve of Morton: what is close together in time is close together in the picture.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +19,8 @@ namespace lapidary {
 inline constexpr int tile_size = 32;
 inline constexpr int block_size = 8;
 inline constexpr std::size_t pixels_of_block = 64, blocks_of_tile = 16;
-inline constexpr int large_block_size = 16;
-inline constexpr std::size_t pixels_of_large_block = 256;
+inline constexpr int part_size = 16;
+inline constexpr std::size_t pixels_of_part = 256;
 
 struct PixelPlace {
     int x = 0, y = 0;
@@ -65,8 +64,8 @@ constexpr std::array<PixelPlace, count> places_along_curve() {
         }
     return places;
 }
-// The first of them are those of a block that is not large.
-inline constexpr std::array<PixelPlace, pixels_of_large_block> places_in_block = places_along_curve<pixels_of_large_block>();
+inline constexpr std::array<PixelPlace, pixels_of_block> places_in_block = places_along_curve<pixels_of_block>();
+inline constexpr std::array<PixelPlace, pixels_of_part> places_in_part = places_along_curve<pixels_of_part>();
 inline constexpr std::array<PixelPlace, blocks_of_tile> blocks_in_tile = places_along_curve<blocks_of_tile>();
 
 // Where a place is among those along the curve.

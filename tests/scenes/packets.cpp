@@ -54,7 +54,7 @@ std::size_t trace_by_parts(Tracer& tracer, const CameraRays& camera, int block, 
             const bool is_whole = x + block <= columns && y + block <= rows;
             const auto known = tracer.begin_part(of_block ? &*of_block : nullptr, is_whole);
             rays.clear(), places.clear();
-            for (const PixelPlace& place : places_in_block) {
+            for (const PixelPlace& place : places_in_part) {
                 const int u = x + place.x, v = y + place.y;
                 if (place.x >= block || place.y >= block || u >= columns || v >= rows) continue;
                 rays.push_back(ray_of(camera, u, v));
@@ -80,18 +80,18 @@ int differences(const std::string& text, std::size_t* spared = nullptr) {
     std::vector<Ray> rays;
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) rays.push_back(ray_of(camera, x, y));
-    std::vector<RaySample> packets(rays.size()), parts(rays.size()), large_parts(rays.size()), single(rays.size());
+    std::vector<RaySample> packets(rays.size()), parts(rays.size()), larger_parts(rays.size()), single(rays.size());
     Tracer tracer(*world, built->scene->render, 0.001);
     tracer.trace(rays, packets);
     const std::size_t known = trace_by_parts(tracer, camera, block_size, parts);
-    trace_by_parts(tracer, camera, large_block_size, large_parts);
+    trace_by_parts(tracer, camera, part_size, larger_parts);
     if (spared) *spared = known;
     tracer.trace_one_by_one(true);
     tracer.trace(rays, single);
     int different = 0, met = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         different +=
-            !same_bits(packets[i], single[i]) || !same_bits(parts[i], single[i]) || !same_bits(large_parts[i], single[i]);
+            !same_bits(packets[i], single[i]) || !same_bits(parts[i], single[i]) || !same_bits(larger_parts[i], single[i]);
         met += single[i].object > 0;
     }
     CHECK(met > columns);  // something is to be seen

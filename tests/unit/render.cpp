@@ -15,6 +15,7 @@
 
 #include "kernel/render/passes.h"
 #include "kernel/render/pixel_estimate.h"
+#include "kernel/render/tile.h"
 #include "support/catch.h"
 #include "support/stand_in_picture.h"
 
@@ -57,6 +58,9 @@ int differing_pixels(const Frame& a, const Frame& b, const PixelRegion& region) 
         for (int x = region.x0; x < region.x1; ++x) differing += !is_same_pixel(a, b, x, y);
     return differing;
 }
+
+// Rays that are on their way between two looks at the clock.
+constexpr auto rays_of_batch = static_cast<int>(pixels_of_part);
 
 // An integrand given by a function of a ray.
 template <typename Function>
@@ -310,7 +314,7 @@ TEST_CASE("a cancellation stops the work within a few dozen rays and says so") {
         CHECK_FALSE(report.complete);
         CHECK_FALSE(frame.is_complete());
         CHECK(report.finished < report.pixels);
-        CHECK(begun_after < 2 * 64);  // less than one batch a thread
+        CHECK(begun_after < 2 * rays_of_batch);  // less than one batch a thread
     }
 }
 
@@ -370,7 +374,7 @@ TEST_CASE("with a time limit the picture is refined until the time is up, less t
         const auto [frame, report] = picture.render(as_good_as_time_allows(), 20000, threads);
         CHECK(report.complete);
         CHECK(report.seconds >= 20000);
-        CHECK(report.seconds < 20000 + threads * 64);
+        CHECK(report.seconds < 20000 + threads * rays_of_batch);
         CHECK(*std::ranges::min_element(frame->layer(Layer::samples)) >= 1);
         // All but the few rays of the preview went into the picture.
         CHECK(report.samples > 19500);
@@ -405,7 +409,7 @@ TEST_CASE("a time too short for a sample of every pixel leaves the preview, and 
     const auto [frame, report] = picture.render(as_good_as_time_allows(), 1000);
     CHECK_FALSE(report.complete);
     CHECK(report.finished < report.pixels);
-    CHECK(report.seconds < 1000 + 64);
+    CHECK(report.seconds < 1000 + rays_of_batch);
     int black = 0;
     for (int y = 0; y < frame->height(); ++y)
         for (int x = 0; x < frame->width(); ++x) black += frame->pixel(Layer::colour, x, y)[2] == 0;
@@ -422,7 +426,7 @@ TEST_CASE("a time limit that is not reached changes nothing") {
 
         const auto stopped = picture.render(plan, 1500);
         CHECK_FALSE(stopped.report.finished == stopped.report.pixels);
-        CHECK(stopped.report.seconds < 1500 + 64);
+        CHECK(stopped.report.seconds < 1500 + rays_of_batch);
     }
 }
 
