@@ -154,17 +154,28 @@ private:
     }
 
     // The same for a batch of points.
-    [[gnu::noinline]] void stir(PointBatch& points, const VisibleOctaves& visible) const {
+    void stir(PointBatch& points, const VisibleOctaves& visible) const {
         const auto turbulence_beside = [&](const Vector& offset, double* sums) {
             PointBatch moved;
-            for (int lane = 0; lane < batch_size; ++lane) moved.set(lane, points.point(lane) + offset);
+            move(points, offset, moved);
             turbulence_batch(moved, visible, sums);
         };
         double x[batch_size], y[batch_size], z[batch_size];
         turbulence_batch(points, visible, x);
         turbulence_beside(offset1, y), turbulence_beside(offset2, z);
-        for (int lane = 0; lane < batch_size; ++lane)
-            points.set(lane, points.point(lane) + amount_ * Vector{x[lane], y[lane], z[lane]});
+        add(amount_, x, points.x), add(amount_, y, points.y), add(amount_, z, points.z);
+    }
+
+    [[gnu::noinline]] static void move(const PointBatch& __restrict points, const Vector& offset, PointBatch& __restrict moved) {
+        for (int lane = 0; lane < batch_size; ++lane) {
+            moved.x[lane] = points.x[lane] + offset.x;
+            moved.y[lane] = points.y[lane] + offset.y;
+            moved.z[lane] = points.z[lane] + offset.z;
+        }
+    }
+
+    [[gnu::noinline]] static void add(double amount, const double* __restrict shifts, double* __restrict coordinates) {
+        for (int lane = 0; lane < batch_size; ++lane) coordinates[lane] += amount * shifts[lane];
     }
 
     // How far octaves move a point that move each coordinate by at most the amount.

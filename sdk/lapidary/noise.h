@@ -179,21 +179,33 @@ struct alignas(64) CornerBatch {
     std::int32_t at[4][batch_size];
 };
 
-// Coordinates for which LatticeCoordinate takes its short way.
-[[gnu::noinline]] inline bool are_moderate(const PointBatch& __restrict points, int count) {
-    const auto is_moderate = [](double x) { return std::int64_t{std::fabs(x) < 0x1p31 ? 1 : 0}; };
+// Coordinates for which LatticeCoordinate takes its short way, even `scale` times as large.
+[[gnu::noinline]] inline bool are_moderate(const PointBatch& __restrict points, int count, double scale = 1) {
+    const auto is_moderate = [scale](double x) { return std::int64_t{scale * std::fabs(x) < 0x1p31 ? 1 : 0}; };
     std::int64_t moderate = 1;
     for (int i = 0; i < count; ++i) moderate &= is_moderate(points.x[i]) & is_moderate(points.y[i]) & is_moderate(points.z[i]);
     return moderate != 0;
 }
 
-[[gnu::noinline]] inline void find_cells(const double* __restrict coordinates, int count, std::int32_t* __restrict indices,
-                                         double* __restrict fractions) {
+inline double cell_of(double x) {
+    const double whole = static_cast<std::int32_t>(x), beyond = whole > x ? 1 : 0;
+    return whole - beyond;
+}
+
+// Returns whether all points are in one cell.
+[[gnu::noinline]] inline bool find_cells(const PointBatch& __restrict points, int count, CellBatch& __restrict cells,
+                                         PointBatch& __restrict fractions) {
+    const double first_x = cell_of(points.x[0]), first_y = cell_of(points.y[0]), first_z = cell_of(points.z[0]);
+    const auto differs = [](double a, double b) { return std::int64_t{a != b ? 1 : 0}; };
+    std::int64_t elsewhere = 0;
     for (int i = 0; i < count; ++i) {
-        const double x = coordinates[i], whole = static_cast<std::int32_t>(x), beyond = whole > x ? 1 : 0, cell = whole - beyond;
-        indices[i] = static_cast<std::int32_t>(cell) & 255;
-        fractions[i] = x - cell;
+        const double x = cell_of(points.x[i]), y = cell_of(points.y[i]), z = cell_of(points.z[i]);
+        cells.x[i] = static_cast<std::int32_t>(x) & 255, fractions.x[i] = points.x[i] - x;
+        cells.y[i] = static_cast<std::int32_t>(y) & 255, fractions.y[i] = points.y[i] - y;
+        cells.z[i] = static_cast<std::int32_t>(z) & 255, fractions.z[i] = points.z[i] - z;
+        elsewhere |= differs(x, first_x) | differs(y, first_y) | differs(z, first_z);
     }
+    return elsewhere == 0;
 }
 
 [[gnu::noinline]] inline void find_corners(const CellBatch& __restrict cells, int count, CornerBatch& __restrict corners) {
@@ -222,19 +234,12 @@ struct alignas(64) CornerBatch {
     }
 }
 
-[[gnu::noinline]] inline bool are_of_one_cell(const CellBatch& __restrict cells, int count) {
-    const std::int32_t x = cells.x[0], y = cells.y[0], z = cells.z[0];
-    std::int32_t others = 0;
-    for (int i = 0; i < count; ++i) others |= (cells.x[i] ^ x) | (cells.y[i] ^ y) | (cells.z[i] ^ z);
-    return others == 0;
-}
-
-[[gnu::noinline]] inline void blend_ramps_of_cell(const CellGradients& cell, const PointBatch& __restrict fractions, int count,
+[[gnu::noinline]] inline void blend_ramps_of_cell(const CellGradients& __restrict cell, const PointBatch& __restrict fractions,
                                                   double* __restrict values) {
-    LatticeGradient g[8];
-    for (int i = 0; i < 8; ++i) g[i] = *cell.at[i];
-    const auto ramp = [&g](int i, double x, double y, double z) { return g[i].x * x + g[i].y * y + g[i].z * z; };
-    for (int i = 0; i < count; ++i) {
+    const auto ramp = [&cell](int i, double x, double y, double z) {
+        return cell.at[i]->x * x + cell.at[i]->y * y + cell.at[i]->z * z;
+    };
+    for (int i = 0; i < batch_size; ++i) {
         const double x = fractions.x[i], y = fractions.y[i], z = fractions.z[i];
         const double u = fade(x), v = fade(y), w = fade(z);
         const double near =
@@ -250,25 +255,29 @@ struct alignas(64) CornerBatch {
 // From so many points on, noise of a whole batch costs less than that of one after the other.
 inline constexpr int points_worth_batch = 8;
 
-// noise() of many points, whose number is a multiple of four.
-inline void noise_batch(const PointBatch& points, int count, double* values) {
-    using namespace noise_detail;
-    if (!are_moderate(points, count)) {
-        for (int i = 0; i < count; ++i) values[i] = noise(points.point(i));
-        return;
-    }
+namespace noise_detail {
+
+inline void noise_of_moderate(const PointBatch& points, int count, double* values) {
     CellBatch cells;
     PointBatch fractions;
-    find_cells(points.x, count, cells.x, fractions.x);
-    find_cells(points.y, count, cells.y, fractions.y);
-    find_cells(points.z, count, cells.z, fractions.z);
-    if (are_of_one_cell(cells, count)) {
-        blend_ramps_of_cell(CellGradients(cells.x[0], cells.y[0], cells.z[0]), fractions, count, values);
+    const bool in_one_cell = find_cells(points, count, cells, fractions);
+    if (in_one_cell && count == batch_size) {
+        blend_ramps_of_cell(CellGradients(cells.x[0], cells.y[0], cells.z[0]), fractions, values);
         return;
     }
     CornerBatch corners;
     find_corners(cells, count, corners);
     blend_ramps(corners, fractions, count, values);
+}
+
+}  // namespace noise_detail
+
+// noise() of many points, whose number is a multiple of four.
+inline void noise_batch(const PointBatch& points, int count, double* values) {
+    if (noise_detail::are_moderate(points, count))
+        noise_detail::noise_of_moderate(points, count, values);
+    else
+        for (int i = 0; i < count; ++i) values[i] = noise(points.point(i));
 }
 
 // Noise and its derivative (Dnoise). With F = sum of w_c ramp_c, the derivative has two parts: the weighted average of

@@ -101,21 +101,44 @@ struct alignas(64) VisibleOctaves {
     int of, most = 0, faded = 0;
 };
 
+namespace turbulence_detail {
+
+[[gnu::noinline]] inline void scale_points(const PointBatch& __restrict points, double scale, PointBatch& __restrict scaled) {
+    for (int lane = 0; lane < batch_size; ++lane) {
+        scaled.x[lane] = scale * points.x[lane];
+        scaled.y[lane] = scale * points.y[lane];
+        scaled.z[lane] = scale * points.z[lane];
+    }
+}
+
+// Adds an octave's noise where the octave is seen; of lanes that see no more, `rest` stays the height of the first unseen one.
+[[gnu::noinline]] inline void add_octave(const double* __restrict noise, const double* __restrict seen, double octave,
+                                         double height, double* __restrict sums, double* __restrict rest) {
+    for (int lane = 0; lane < batch_size; ++lane) {
+        const double is_seen = octave < seen[lane] ? 1 : 0;
+        sums[lane] += is_seen * height * std::fabs(noise[lane]);
+        rest[lane] -= is_seen * height / 2;
+    }
+}
+
+}  // namespace turbulence_detail
+
 // T at a batch of points: the octaves that are visible at each, the rest replaced by their mean.
 inline void turbulence_batch(const PointBatch& points, const VisibleOctaves& visible, double* __restrict sums) {
+    using namespace turbulence_detail;
     double rest[batch_size];  // the height of the first octave that is not seen
     for (int lane = 0; lane < batch_size; ++lane) sums[lane] = 0, rest[lane] = 1;
+    const bool moderate = noise_detail::are_moderate(points, batch_size, std::ldexp(1, visible.most));
     double scale = 1, height = 1;
     for (int i = 0; i < visible.most; ++i, scale *= 2, height /= 2) {
         PointBatch finer;
-        for (int lane = 0; lane < batch_size; ++lane) finer.set(lane, scaled(points.point(lane), scale));
+        scale_points(points, scale, finer);
         double values[batch_size];
-        noise_batch(finer, batch_size, values);
-        for (int lane = 0; lane < batch_size; ++lane) {
-            const bool is_seen = i < visible.count[lane];
-            sums[lane] += is_seen ? std::fabs(values[lane]) * height : 0;
-            rest[lane] = is_seen ? height / 2 : rest[lane];
-        }
+        if (moderate)
+            noise_detail::noise_of_moderate(finer, batch_size, values);
+        else
+            noise_batch(finer, batch_size, values);
+        add_octave(values, visible.count, i, height, sums, rest);
     }
     count_faded_octaves(visible.faded);
     const double end = std::ldexp(1, -visible.of);
