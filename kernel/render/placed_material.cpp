@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kernel/scene/placed_material.h"
+#include "kernel/render/placed_material.h"
 
 #include <cmath>
 #include <utility>
@@ -44,8 +44,8 @@ double norm_bound(Matrix3 m) {
 template <bool identity, bool centred>
 [[gnu::noinline]] void place_sites(const Transform& transform, double footprint_scale, const SiteBatch& __restrict sites,
                                    SiteBatch& __restrict local) {
-    const TwoPartPoint centre = transform.centre();
-    const Matrix3 inverse = transform.inverse_linear();
+    const TwoPartPoint& centre = transform.centre();
+    const Matrix3& inverse = transform.inverse_linear();
     const auto to_local = [&inverse](const Vector& v) { return identity ? v : multiply(v, inverse); };
     for (int lane = 0; lane < batch_size; ++lane) {
         const Point p = sites.points.point(lane);

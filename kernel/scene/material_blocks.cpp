@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "kernel/scene/placed_material.h"
+#include "kernel/render/placed_material.h"
 #include "kernel/scene/plain_material.h"
 #include "kernel/scene/properties.h"
 #include "kernel/scene/transform_blocks.h"

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "conformance/instances.h"
-#include "kernel/scene/placed_material.h"
+#include "kernel/render/placed_material.h"
 #include "support/catch.h"
 
 namespace lapidary::test {

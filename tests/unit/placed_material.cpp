@@ -5,7 +5,7 @@
 #include <memory>
 #include <random>
 
-#include "kernel/scene/placed_material.h"
+#include "kernel/render/placed_material.h"
 #include "support/catch.h"
 
 namespace lapidary {

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "kernel/scene/placed_material.h"
+#include "kernel/render/placed_material.h"
 #include "support/catch.h"
 #include "support/textures.h"
 
