@@ -47,8 +47,9 @@ void LineThroughSolid::select(const Solid& solid) {
 
 // Takes the ray into a leaf's space about the point closest to its centre. The origin moves along the ray in the world
 // first, in two parts, so that what is multiplied by the inverse matrix is short; one more step in the leaf's own space
-// makes the point perpendicular there, too. Where the space is lopsided that step may be long, and leaves rounding of its
-// length along the line; another one takes that away.
+// makes the point perpendicular there, too: where shapes are kept, no more than rounding, and a direction of the world's unit
+// length has a length there that is known. Where the space is lopsided that step may be long, and leaves rounding of its length
+// along the line; another one takes that away.
 const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t index) {
     if (placed_leaf_ == index) return placed_;
     placed_leaf_ = index;
@@ -62,7 +63,8 @@ const LineThroughSolid::PlacedLine& LineThroughSolid::placed_line(std::int32_t i
         from_centre.lo;
     const Vector closest = leaf.placement.to_local(world_closest);
     const Vector direction = leaf.placement.to_local(d);
-    const double step = -dot(closest, direction) / dot(direction, direction);
+    const double along = dot(closest, direction), squared_scale = leaf.placement.squared_scale();
+    const double step = leaf.placement.keeps_shapes() ? -along * squared_scale : -along / dot(direction, direction);
     placed_ = {{{fused_multiply_add(step, direction.x, closest.x), fused_multiply_add(step, direction.y, closest.y),
                  fused_multiply_add(step, direction.z, closest.z)},
                 direction},

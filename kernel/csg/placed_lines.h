@@ -34,11 +34,13 @@ inline void bring_nearer(PlacedLines& placed) {
     }
 }
 
-// The matrix and the centre are read once, and nothing overlaps: that is what lets the loop become vector instructions.
-template <bool identity>
+// Nothing overlaps: that is what lets the loop become vector instructions. (The matrix and the centre are references, as single
+// numbers of a copy would be waited for until the vectors that it is written in have arrived.)
+template <bool identity, bool keeps_shapes>
 void place_lines_by(const Transform& placement, const RayPacket& __restrict rays, PlacedLines& __restrict placed) {
-    const TwoPartPoint centre = placement.centre();
-    const Matrix3 m = placement.inverse_linear();
+    const TwoPartPoint& centre = placement.centre();
+    const Matrix3& m = placement.inverse_linear();
+    const double squared_scale = placement.squared_scale();
     LineBatch& lines = placed.lines;
     for (int i = 0; i < batch_size; ++i) {
         const TwoPart x = two_difference(rays.anchor.x[i], centre.anchor.x);
@@ -52,7 +54,8 @@ void place_lines_by(const Transform& placement, const RayPacket& __restrict rays
         const Vector w{fused_multiply_add(world_step, d.x, x.hi) + lo_x, fused_multiply_add(world_step, d.y, y.hi) + lo_y,
                        fused_multiply_add(world_step, d.z, z.hi) + lo_z};
         const Vector closest = identity ? w : multiply(w, m), direction = identity ? d : multiply(d, m);
-        const double step = -dot(closest, direction) / dot(direction, direction);
+        const double along = dot(closest, direction);
+        const double step = keeps_shapes ? -along * squared_scale : -along / dot(direction, direction);
         lines.closest_x[i] = fused_multiply_add(step, direction.x, closest.x);
         lines.closest_y[i] = fused_multiply_add(step, direction.y, closest.y);
         lines.closest_z[i] = fused_multiply_add(step, direction.z, closest.z);
@@ -63,9 +66,11 @@ void place_lines_by(const Transform& placement, const RayPacket& __restrict rays
 
 inline void place_lines(const Transform& placement, const RayPacket& rays, PlacedLines& placed) {
     if (placement.has_identity_linear())
-        place_lines_by<true>(placement, rays, placed);
+        place_lines_by<true, true>(placement, rays, placed);
+    else if (placement.keeps_shapes())
+        place_lines_by<false, true>(placement, rays, placed);
     else
-        place_lines_by<false>(placement, rays, placed);
+        place_lines_by<false, false>(placement, rays, placed);
     if (placement.is_lopsided()) bring_nearer(placed);
 }
 

@@ -180,8 +180,8 @@ Matrix3 round(const TwoPartMatrix3& m) {
     return rounded;
 }
 
-// Whether the images of the axes are across one another and of one length.
-bool are_alike(const Matrix3& rows) {
+// The squared length of the images of the axes, if they are across one another and of one length; else 0.
+double squared_scale_of(const Matrix3& rows) {
     const auto product = [&](int i, int j) {
         return rows[i][0] * rows[j][0] + rows[i][1] * rows[j][1] + rows[i][2] * rows[j][2];
     };
@@ -189,7 +189,7 @@ bool are_alike(const Matrix3& rows) {
     double most = 0;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j) most = std::fmax(most, std::fabs(product(i, j) - (i == j ? squared : 0)));
-    return most <= 0x1p-40 * squared;
+    return most <= 0x1p-40 * squared ? squared : 0;
 }
 
 LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& inverse) {
@@ -200,7 +200,7 @@ LinearMapPtr make_map(const TwoPartMatrix3& linear, const TwoPartMatrix3& invers
     // A digit or two below the root of the largest double.
     constexpr double most = 0x1p500;
     map.extreme = there > most || back > most;
-    map.keeps_shapes = !map.extreme && are_alike(map.linear);
+    map.squared_scale = map.extreme ? 0 : squared_scale_of(map.linear);
     return LinearMapPtr(map);
 }
 

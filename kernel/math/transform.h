@@ -63,9 +63,9 @@ inline constexpr Matrix3 identity_matrix{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 struct LinearMap {
     Matrix3 linear, inverse;
     TwoPartMatrix3 exact_linear, exact_inverse;
-    bool lopsided = false;  // some directions are stretched much more than others
-    bool extreme = false;   // squares of lengths, there or back, are beyond a double
-    bool keeps_shapes = false;
+    bool lopsided = false;     // some directions are stretched much more than others
+    bool extreme = false;      // squares of lengths, there or back, are beyond a double
+    double squared_scale = 0;  // of one that keeps shapes, by how much it scales areas; 0: of others
 };
 
 // Shares a map: std::shared_ptr in half the room, as every leaf of a World has one.
@@ -160,7 +160,9 @@ public:
     // It makes things so large or so small that squares of lengths overflow or vanish in one of the spaces.
     bool is_extreme() const { return linear_ && linear_->extreme; }
     // It turns, mirrors and scales alike in all directions: balls stay balls.
-    bool keeps_shapes() const { return !linear_ || linear_->keeps_shapes; }
+    bool keeps_shapes() const { return squared_scale() > 0; }
+    // If it does, by how much it scales areas; else 0.
+    double squared_scale() const { return linear_ ? linear_->squared_scale : 1; }
 
 private:
     std::array<TwoPart, 3> to_local_two_part(const std::array<TwoPart, 3>& v) const;

@@ -365,8 +365,8 @@ namespace {
 template <bool identity>
 void place_points_by(const Transform& placement, const PointBatch& __restrict local, VectorLanes& __restrict anchor,
                      VectorLanes& __restrict offset) {
-    const TwoPartPoint centre = placement.centre();
-    const Matrix3 linear = placement.linear();
+    const TwoPartPoint& centre = placement.centre();
+    const Matrix3& linear = placement.linear();
     for (int i = 0; i < PacketPaths::width; ++i) {
         const Vector place = to_vector(local.point(i));
         anchor.set(i, centre.anchor);
@@ -378,7 +378,7 @@ void place_points_by(const Transform& placement, const PointBatch& __restrict lo
 template <bool identity>
 [[gnu::noinline]] void find_unit_normals(const Transform& placement, const NormalBatch& __restrict normals,
                                          VectorLanes& __restrict unit) {
-    const Matrix3 inverse = placement.inverse_linear();
+    const Matrix3& inverse = placement.inverse_linear();
     for (int i = 0; i < PacketPaths::width; ++i) {
         const Vector normal{normals.x[i], normals.y[i], normals.z[i]};
         unit.set(i, normalize(identity ? normal : multiply_transposed(normal, inverse)));
@@ -456,8 +456,8 @@ namespace {
 template <bool identity, class Faces>
 [[gnu::noinline]] void find_sites(const PlacedTexture& texture, double pixel_footprint, const Faces& __restrict faces,
                                   SiteBatch& __restrict sites) {
-    const TwoPartPoint centre = texture.placement.centre();
-    const Matrix3 inverse = texture.placement.inverse_linear();
+    const TwoPartPoint& centre = texture.placement.centre();
+    const Matrix3& inverse = texture.placement.inverse_linear();
     const double scale = texture.scale;
     const std::int64_t leaving = faces.leaving;
     for (int i = 0; i < PacketPaths::width; ++i) {
@@ -474,14 +474,15 @@ template <bool identity, class Faces>
 // That of a batch; lanes without a face get the first one's.
 template <class Faces>
 [[gnu::noinline]] void take_matter(const MatterBatch& __restrict matter, Faces& __restrict faces) {
-    const std::int64_t lanes = faces.lanes();
-    for (int i = 0; i < PacketPaths::width; ++i) {
-        const bool has_face = (lanes & bit_of(i)) != 0;
-        const auto take = [&](const double* values) { return has_face ? values[i] : values[0]; };
-        faces.colour.r[i] = take(matter.r), faces.colour.g[i] = take(matter.g), faces.colour.b[i] = take(matter.b);
-        faces.reflection[i] = take(matter.reflection), faces.shininess[i] = take(matter.shininess);
-        faces.opacity[i] = take(matter.opacity), faces.index_behind[i] = take(matter.refraction);
-    }
+    const auto take = [count = faces.count](const double* __restrict values, double* __restrict taken) {
+        for (int i = 0; i < PacketPaths::width; ++i) {
+            const double own = values[i], first = values[0];
+            taken[i] = i < count ? own : first;
+        }
+    };
+    take(matter.r, faces.colour.r.v.data()), take(matter.g, faces.colour.g.v.data()), take(matter.b, faces.colour.b.v.data());
+    take(matter.reflection, faces.reflection.v.data()), take(matter.shininess, faces.shininess.v.data());
+    take(matter.opacity, faces.opacity.v.data()), take(matter.refraction, faces.index_behind.v.data());
 }
 
 }  // namespace
