@@ -10,6 +10,8 @@ namespace {
 
 using TwoPartTriple = std::array<TwoPart, 3>;
 
+constexpr double no_root = std::numeric_limits<double>::quiet_NaN();
+
 TwoPart square(const TwoPart& x) { return x * x; }
 
 // A surface's equation at one point: its value, and its gradient as far as Newton's method needs it.
@@ -67,16 +69,19 @@ struct TwoPartLine {
 };
 
 // NaN where Newton's method finds no root of this surface near t that the line passes as asked. It begins a rounding away from
-// the root: three steps come to rest, where the rounding of the two-part value lets it move no further.
-double root_of(const Surface& surface, const TwoPartLine& line, double t, Passing passing) {
+// the root, at the point `there`: three steps come to rest, where the rounding of the two-part value lets it move no further. Of a
+// plane the first one tells already whether the root is farther off than `most`.
+double root_of(const Surface& surface, const TwoPartLine& line, double t, const TwoPartTriple& there, double most,
+               Passing passing) {
     constexpr int most_steps = 4;
     const Vector direction{line.direction[0].hi, line.direction[1].hi, line.direction[2].hi};
+    const bool is_plane = surface.kind == Surface::Kind::plane;
     for (int i = 0; i < most_steps; ++i) {
-        const Equation at = equation_at(surface, line.at(t));
+        const Equation at = equation_at(surface, i == 0 ? there : line.at(t));
         const double slope = dot(at.gradient, direction);
-        if (passing != Passing::either && (slope < 0) != (passing == Passing::in))
-            return std::numeric_limits<double>::quiet_NaN();
+        if (passing != Passing::either && (slope < 0) != (passing == Passing::in)) return no_root;
         const double step = at.value.hi / slope;
+        if (is_plane && !(std::fabs(step) <= 2 * most)) return no_root;
         t -= step;
         if (!(std::fabs(step) > 0x1p-51 * std::fabs(t))) break;
     }
@@ -88,9 +93,10 @@ double root_of(const Surface& surface, const TwoPartLine& line, double t, Passin
 double near_root(const Ray& ray, const Transform& placement, std::span<const Surface> surfaces, double t, double anchor,
                  Passing passing) {
     const TwoPartLine line(ray, placement);
+    const TwoPartTriple there = line.at(t);
     double nearest = t, least = most_rounding * std::fabs(anchor);
     for (const Surface& surface : surfaces) {
-        const double root = root_of(surface, line, t, passing);
+        const double root = root_of(surface, line, t, there, least, passing);
         const double distance = std::fabs(root - t);
         if (distance <= least) nearest = root, least = distance;
     }

@@ -266,7 +266,7 @@ PacketThroughSolid::PacketThroughSolid(const World& world, TraceStatistics& stat
 
 void PacketThroughSolid::start(const RayPacket& rays) {
     rays_ = &rays;
-    placed_leaf_ = -1;
+    placed_leaf_ = -1, local_leaf_ = -1;
     find_origins(rays, origins_);
     departed_leaves_ = departed_classes_ = {};
     depart_alike_ = false;
@@ -543,6 +543,13 @@ const PlacedLines& PacketThroughSolid::placed_lines(std::int32_t index) {
     return placed_;
 }
 
+const SpanBatch& PacketThroughSolid::local_spans(std::int32_t index) {
+    const PlacedLines& placed = placed_lines(index);
+    if (local_leaf_ != index) world_.leaves[index].object->spans_batch(placed.lines, width, &local_spans_);
+    local_leaf_ = index;
+    return local_spans_;
+}
+
 // A leaf's one span in every lane; an empty one ends before it begins.
 void PacketThroughSolid::spans(std::int32_t index, Lanes& in, Lanes& out, LeafSpans* faces, const Asked& asked) {
     statistics_.object_tests += static_cast<std::uint64_t>(rays_->count);
@@ -577,10 +584,8 @@ void PacketThroughSolid::find_near_ends_of_lanes(unsigned near, const Leaf& leaf
 // With placed_ set to the leaf's lines; the lanes with near ends.
 unsigned PacketThroughSolid::own_spans(const Leaf& leaf, Lanes& in, Lanes& out) {
     ask_for(leaf.object);
-    placed_lines(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
-    SpanBatch batch;
-    leaf.object->spans_batch(placed_.lines, width, &batch);
-    return count_from_origins(batch, placed_.anchor, in, out);
+    const SpanBatch& spans = local_spans(static_cast<std::int32_t>(&leaf - world_.leaves.data()));
+    return count_from_origins(spans, placed_.anchor, in, out);
 }
 
 // What the leaf's surfaces have in common: of each next one, ends count where something is left of the others.

@@ -68,6 +68,8 @@ public:
     FirstChange next_change_of_single(const Solid& solid, double from, int lane);
     // The lines of the rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf);
+    // What they have in common with it, there. Both are remembered until another leaf is asked for.
+    const SpanBatch& local_spans(std::int32_t leaf);
     // Of a leaf that shares faces, and that is met at t in the lanes that count: the first of its surfaces there; -1: none, or
     // one that rounding moved.
     void find_shared_faces(const Leaf& leaf, const Lanes& t, LeafLanes& face);
@@ -159,6 +161,8 @@ private:
 
     std::int32_t placed_leaf_ = -1;
     PlacedLines placed_;
+    std::int32_t local_leaf_ = -1;
+    SpanBatch local_spans_;
 
     // The negative leaves of the solid under way that were asked so far.
     struct NegativeLeaf {

@@ -30,6 +30,7 @@ public:
 
     // The lines of the last packet of rays in a leaf's space.
     const PlacedLines& placed_lines(std::int32_t leaf) { return solid_.placed_lines(leaf); }
+    const SpanBatch& local_spans(std::int32_t leaf) { return solid_.local_spans(leaf); }
 
     // Whether anything lies between each ray's start and its distance: bit i for ray i. Rays with a distance below 0 are left
     // out.

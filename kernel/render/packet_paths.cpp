@@ -136,8 +136,13 @@ unsigned PacketPaths::collect_faces_of(Wave& wave, int packet, std::span<FirstFa
     faces.count = width;
     for (int lane = 0; lane < width; ++lane) faces.ray[lane] = begin + lane;
     note_rays(wave, index, rays, boundaries.t, faces);
-    const std::int32_t face = boundaries.face[0];
-    place_faces(index, face, rays, boundaries.t, packet_.placed_lines(frame_of(index, face)), faces);
+    if (leaf.first_surface < 0) {
+        const SpanBatch& spans = packet_.local_spans(index);
+        place_own_faces(leaf, rays, boundaries.t, packet_.placed_lines(index), spans, faces);
+    } else {
+        const std::int32_t face = boundaries.face[0];
+        place_shared_faces(leaf, face, rays, boundaries.t, packet_.placed_lines(frame_of(index, face)), faces);
+    }
     show_leaf(leaf, boundaries.solid[0], faces, first);
     return 0;
 }
@@ -251,26 +256,22 @@ std::int32_t PacketPaths::frame_of(std::int32_t leaf, std::int32_t face) const {
 }
 
 // LineThroughSolid::face_at for all lanes. `face`: which of the surfaces, of a leaf that shares them.
-void PacketPaths::place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
-    PlacedLines placed;
-    place_lines(world_.leaves[frame_of(leaf, face)].placement, rays, placed);
-    place_faces(leaf, face, rays, t, placed, faces);
-}
-
-// `placed` are the rays in the space of the face's frame.
-void PacketPaths::place_faces(std::int32_t index, std::int32_t face, const RayPacket& rays, const Lanes& t,
-                              const PlacedLines& placed, FacePacket& faces) {
+void PacketPaths::place_faces(std::int32_t index, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces) {
     const Leaf& leaf = world_.leaves[index];
-    if (leaf.first_surface < 0)
-        place_own_faces(leaf, rays, t, placed, faces);
-    else
+    PlacedLines placed;
+    place_lines(world_.leaves[frame_of(index, face)].placement, rays, placed);
+    if (leaf.first_surface >= 0) {
         place_shared_faces(leaf, face, rays, t, placed, faces);
-}
-
-void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
-                                  FacePacket& faces) {
+        return;
+    }
     SpanBatch spans;
     leaf.object->spans_batch(placed.lines, width, &spans);
+    place_own_faces(leaf, rays, t, placed, spans, faces);
+}
+
+// `placed` are the rays in the leaf's space, `spans` what they have in common with it there.
+void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                                  const SpanBatch& spans, FacePacket& faces) {
     Lanes local_t;
     find_local_ends(placed.anchor, spans, t, local_t);
     PointBatch local;
@@ -289,7 +290,7 @@ void PacketPaths::place_own_faces(const Leaf& leaf, const RayPacket& rays, const
     round_points(faces);
 }
 
-// Of a face that a leaf shares: in the frame of its class's representative.
+// Of a face that a leaf shares: `placed` are the rays in the frame of its class's representative.
 void PacketPaths::place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t,
                                      const PlacedLines& placed, FacePacket& faces) {
     const SurfaceUse& use = world_.surface_uses[leaf.first_surface + face];

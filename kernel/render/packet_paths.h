@@ -196,9 +196,8 @@ private:
     void add_single_face_at_change(Wave& wave, int ray, double t, const Encounter& encounter);
     std::int32_t frame_of(std::int32_t leaf, std::int32_t face) const;
     void place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, FacePacket& faces);
-    void place_faces(std::int32_t leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
-                     FacePacket& faces);
-    void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed, FacePacket& faces);
+    void place_own_faces(const Leaf& leaf, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
+                         const SpanBatch& spans, FacePacket& faces);
     void place_shared_faces(const Leaf& leaf, std::int32_t face, const RayPacket& rays, const Lanes& t, const PlacedLines& placed,
                             FacePacket& faces);
     static void place_points(const Transform& placement, const PointBatch& local, FacePacket& faces);
