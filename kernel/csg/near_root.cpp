@@ -69,8 +69,8 @@ struct TwoPartLine {
 };
 
 // NaN where Newton's method finds no root of this surface near t that the line passes as asked. It begins a rounding away from
-// the root, at the point `there`: three steps come to rest, where the rounding of the two-part value lets it move no further. Of a
-// plane the first one tells already whether the root is farther off than `most`.
+// the root, at the point `there`: three steps come to rest, where the rounding of the two-part value lets it move no further. Of
+// a plane the first one tells already whether the root is farther off than `most`.
 double root_of(const Surface& surface, const TwoPartLine& line, double t, const TwoPartTriple& there, double most,
                Passing passing) {
     constexpr int most_steps = 4;

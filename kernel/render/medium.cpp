@@ -68,8 +68,10 @@ Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, c
     const Matrix3& inverse = placement.inverse_linear();
     const TwoPartVector from_centre = site.point - placement.centre();
     const double footprint = site.footprint * instance.scale();
-    const Point point = placement.has_identity_linear() ? point_beside<true>(from_centre, footprint, toward, inverse)
-                                                        : point_beside<false>(from_centre, footprint, toward, inverse);
+    const auto beside = placement.has_identity_linear() ? point_beside<true, true>
+                        : placement.keeps_shapes()      ? point_beside<false, true>
+                                                        : point_beside<false, false>;
+    const Point point = beside(from_centre, footprint, toward, inverse, instance.scale());
     return instance.material().evaluate({point, footprint});
 }
 

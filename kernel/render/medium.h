@@ -17,19 +17,23 @@ struct MatterSite {
     double footprint = 0;  // about the width of a pixel there, in world units
 };
 
-// The matter of a material just off a surface, on the side that `toward` points to (of any length). A solid texture colours
+// The matter of a material just off a surface, on the side that `toward` points to (of a length near 1). A solid texture colours
 // matter, not surfaces: sampling it inside keeps a checker from speckling on a face that lies on the checker's own boundary.
-// The step is a millionth of a pixel, and above the rounding of the point.
+// The step is about a millionth of a pixel, and above the rounding of the point.
 LAPIDARY_API Matter matter_beside(const MaterialInstance& instance, const MatterSite& site, const Vector& toward);
 
 // Where that is: the site's place from the centre of the material's space, and its footprint there. `inverse` leads there
-// where that space is turned or stretched.
-template <bool identity>
-Point point_beside(const TwoPartVector& from_centre, double footprint, const Vector& toward, const Matrix3& inverse) {
+// where that space is turned or stretched. One that keeps shapes scales all lengths alike.
+template <bool identity, bool keeps_shapes>
+Point point_beside(const TwoPartVector& from_centre, double footprint, const Vector& toward, const Matrix3& inverse,
+                   double scale) {
     const auto to_local = [&inverse](const Vector& v) { return identity ? v : multiply(v, inverse); };
     const Point p = to_point(to_local(from_centre.hi) + to_local(from_centre.lo));
     const double step = 1e-6 * footprint + 0x1p-40 * largest_magnitude(p);
-    return p + step * normalize(to_local(toward));
+    if constexpr (keeps_shapes)
+        return p + step * (1 / scale) * to_local(toward);
+    else
+        return p + step * normalize(to_local(toward));
 }
 
 // The ray in a material's space: the same t as in the world.
