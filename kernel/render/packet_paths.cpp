@@ -23,16 +23,18 @@ constexpr LightSampleBatch middle_of_light = [] {
 
 // ---- waves -----------------------------------------------------------------------------------------------------------
 
-PacketPaths::Wave::Wave() : own_rays(wave_size / width), paths(wave_size), colours(wave_size) { rays = own_rays; }
+PacketPaths::Wave::Wave() : own_rays(wave_size / width), paths(wave_size), own_colours(wave_size) {
+    rays = own_rays, colours = own_colours;
+}
 
 // For so many rays through matter. Most waves stay short, and what is never touched costs nothing.
 void PacketPaths::Wave::make_room(int most) {
     const auto packets = static_cast<std::size_t>((most + width - 1) / width), size = packets * width;
     if (stretches.size() >= packets) return;
     own_rays.resize(packets), stretches.resize(packets), changes.resize(packets), meetings.resize(packets);
-    rays = own_rays;
     for (PacketThroughWorld::Stretch& stretch : stretches) stretch.limit.v.fill(infinity);
-    paths.resize(size), colours.resize(size), gathered.resize(size), passed.resize(size), lit.resize(size);
+    paths.resize(size), own_colours.resize(size), gathered.resize(size), passed.resize(size), lit.resize(size);
+    rays = own_rays, colours = own_colours;
 }
 
 void PacketPaths::Wave::clear() {
@@ -56,7 +58,7 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colou
         const std::size_t size = std::min<std::size_t>(wave_size, colours.size() - begin);
         wave.count = static_cast<int>(size);
         if (world_.features.transparency) wave.make_room(wave.count);
-        wave.rays = rays.subspan(begin / width, (size + width - 1) / width);
+        wave.rays = rays.subspan(begin / width, (size + width - 1) / width), wave.colours = colours.subspan(begin, size);
         const auto first = faces.empty() ? faces : faces.subspan(begin, size);
         if (world_.features.transparency) {
             std::fill_n(wave.paths.begin(), wave.count, Path{});  // as rays that went on have taken some
@@ -65,7 +67,6 @@ void PacketPaths::trace(std::span<const RayPacket> rays, std::span<Colour> colou
         } else {
             trace_wave(0, first);
         }
-        std::copy_n(wave.colours.begin(), size, colours.begin() + static_cast<std::ptrdiff_t>(begin));
     }
 }
 
@@ -454,7 +455,7 @@ void PacketPaths::FacePacket::copy_matter(int lane, int from) {
 namespace {
 
 // Where the matter of faces is to be sampled, in its own space: on the solid side, which is behind but for rays that leave it.
-template <bool identity, class Faces>
+template <bool identity, bool keeps_shapes, class Faces>
 [[gnu::noinline]] void find_sites(const PlacedTexture& texture, double pixel_footprint, const Faces& __restrict faces,
                                   SiteBatch& __restrict sites) {
     const TwoPartPoint& centre = texture.placement.centre();
@@ -466,7 +467,7 @@ template <bool identity, class Faces>
         const double side = (leaving & bit_of(i)) != 0 ? -1 : 1;
         const TwoPartPoint point{to_point(faces.anchor[i]), faces.offset[i]};
         const double footprint = pixel_footprint * faces.travelled[i] * scale;
-        const Point beside = point_beside<identity>(point - centre, footprint, side * beyond, inverse);
+        const Point beside = point_beside<identity, keeps_shapes>(point - centre, footprint, side * beyond, inverse, scale);
         sites.points.x[i] = beside.x, sites.points.y[i] = beside.y, sites.points.z[i] = beside.z;
         sites.footprint[i] = footprint;
     }
@@ -498,10 +499,10 @@ void PacketPaths::give_matter(const MaterialInstance& material, FacePacket& face
     }
     const PlacedTexture& texture = *material.texture;
     SiteBatch sites;
-    if (texture.placement.has_identity_linear())
-        find_sites<true>(texture, tracer_.pixel_footprint, faces, sites);
-    else
-        find_sites<false>(texture, tracer_.pixel_footprint, faces, sites);
+    const auto find = texture.placement.has_identity_linear() ? find_sites<true, true, FacePacket>
+                      : texture.placement.keeps_shapes()      ? find_sites<false, true, FacePacket>
+                                                              : find_sites<false, false, FacePacket>;
+    find(texture, tracer_.pixel_footprint, faces, sites);
     MatterBatch matter;
     texture.material->evaluate_batch(sites, faces.lanes(), matter);
     take_matter(matter, faces);

@@ -78,7 +78,8 @@ private:
         std::array<BoundaryPacket, wave_size / width> boundaries;
         bool some_start_inside = false;  // of the rays whose boundaries are found
         std::vector<Path> paths;
-        std::vector<Colour> colours;
+        std::span<Colour> colours;  // its own ones, or those asked for
+        std::vector<Colour> own_colours;
         std::array<std::int32_t, wave_size> sender;  // of a mirrored ray: which ray of the wave before
         std::array<double, wave_size> reflection;    // of the face that it comes from
 
