@@ -437,16 +437,19 @@ void PacketThroughSolid::leave_negative_leaves(const Solid& solid, const Lanes& 
 std::int32_t PacketThroughSolid::leave_negative_leaves_once(const Solid& solid, std::int32_t left_before, Lanes& t, Lanes& moved,
                                                             LeafLanes& leaf) {
     const std::int32_t first_negative = solid.first_leaf + solid.positive_count;
-    const Bounds& around = positions_.around;
+    const std::int32_t negative_count = solid.leaf_count - solid.positive_count;
     std::int32_t left_last = none_left;
     const auto visit = [&](std::int32_t n) {
         if (n != left_before && leave_negative_leaf(n, first_negative + n, t, moved, leaf)) left_last = n;
     };
-    if (solid.first_negative_block >= 0) {
-        for_each_overlapping(world_.negative_blocks, solid.first_negative_block, around,
+    if (negative_count == 1) {
+        visit(0);
+    } else if (solid.first_negative_block >= 0) {
+        for_each_overlapping(world_.negative_blocks, solid.first_negative_block, surroundings_of(positions_),
                              anchor_of_blocks(world_.box_of(solid.root)), visit);
     } else {
-        for (std::int32_t n = 0; n < solid.leaf_count - solid.positive_count; ++n)
+        const Bounds around = surroundings_of(positions_);
+        for (std::int32_t n = 0; n < negative_count; ++n)
             if (around.overlaps(world_.leaves[first_negative + n].bounds())) visit(n);
     }
     return left_last;
@@ -495,19 +498,25 @@ void PacketThroughSolid::reconsider_doubtful(const Solid& solid, const Lanes& fi
 void PacketThroughSolid::find_positions(const Origins& __restrict origins, const VectorLanes& __restrict direction,
                                         double rounding, const Lanes& __restrict t, const Lanes& __restrict unsettled,
                                         Positions& __restrict p) {
-    Lanes low_x, low_y, low_z, high_x, high_y, high_z;
     for (int i = 0; i < width; ++i) {
         const bool counts = unsettled[i] != 0 && t[i] < infinity;
         const double at = counts ? t[i] : 0;
         const double slack = counts ? 0x1p-50 * (origins.size[i] + at) + sliver_length(rounding, at) : -infinity;
-        const double x = origins.x[i] + at * direction.x[i];
-        const double y = origins.y[i] + at * direction.y[i];
-        const double z = origins.z[i] + at * direction.z[i];
-        p.x[i] = x, p.y[i] = y, p.z[i] = z, p.slack[i] = slack;
+        p.x[i] = origins.x[i] + at * direction.x[i];
+        p.y[i] = origins.y[i] + at * direction.y[i];
+        p.z[i] = origins.z[i] + at * direction.z[i];
+        p.slack[i] = slack;
+    }
+}
+
+Bounds PacketThroughSolid::surroundings_of(const Positions& p) {
+    Lanes low_x, low_y, low_z, high_x, high_y, high_z;
+    for (int i = 0; i < width; ++i) {
+        const double x = p.x[i], y = p.y[i], z = p.z[i], slack = p.slack[i];
         low_x[i] = x - slack, low_y[i] = y - slack, low_z[i] = z - slack;
         high_x[i] = x + slack, high_y[i] = y + slack, high_z[i] = z + slack;
     }
-    p.around = {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
+    return {{least(low_x), least(low_y), least(low_z)}, {largest(high_x), largest(high_y), largest(high_z)}};
 }
 
 bool PacketThroughSolid::any_may_be_in(const Leaf& leaf) const {

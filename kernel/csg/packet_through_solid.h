@@ -85,7 +85,6 @@ private:
     // keeps them out of every box.
     struct Positions {
         Lanes x, y, z, slack;
-        Bounds around;  // all that lies within the slack
     };
 
     bool all_leave(const Solid& solid, const Lanes& limit) const;
@@ -105,6 +104,7 @@ private:
     static void find_origins(const RayPacket& rays, Origins& origins);
     static void find_positions(const Origins& origins, const VectorLanes& direction, double rounding, const Lanes& t,
                                const Lanes& unsettled, Positions& positions);
+    static Bounds surroundings_of(const Positions& positions);  // all that lies within their slack
     bool any_may_be_in(const Leaf& leaf) const;
     bool any_in_box(const Bounds& box) const;
     bool any_in_ball(const Point& centre, double radius) const;

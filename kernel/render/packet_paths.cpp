@@ -634,14 +634,26 @@ void PacketPaths::pass_over(const Light& light, FacePackets packets) {
     }
 }
 
-Bounds PacketPaths::bounds_of(FacePackets packets) {
-    Bounds bounds = Bounds::empty();
-    for (const std::unique_ptr<FacePacket>& faces : packets) {
-        const PointBatch& points = faces->points;
-        bounds = unite(bounds, Bounds{{least(points.x), least(points.y), least(points.z)},
-                                      {largest(points.x), largest(points.y), largest(points.z)}});
+namespace {
+
+[[gnu::noinline]] void take_in(const PointBatch& __restrict points, PointBatch& __restrict low, PointBatch& __restrict high) {
+    const auto widen = [](double p, double& least, double& most) {
+        least = p < least ? p : least;
+        most = p > most ? p : most;
+    };
+    for (int i = 0; i < RayPacket::width; ++i) {
+        widen(points.x[i], low.x[i], high.x[i]);
+        widen(points.y[i], low.y[i], high.y[i]);
+        widen(points.z[i], low.z[i], high.z[i]);
     }
-    return bounds;
+}
+
+}  // namespace
+
+Bounds PacketPaths::bounds_of(FacePackets packets) {
+    PointBatch low = packets.front()->points, high = low;
+    for (const std::unique_ptr<FacePacket>& faces : packets.subspan(1)) take_in(faces->points, low, high);
+    return {{least(low.x), least(low.y), least(low.z)}, {largest(high.x), largest(high.y), largest(high.z)}};
 }
 
 void PacketPaths::begin_light(FacePacket& faces) {

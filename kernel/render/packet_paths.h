@@ -122,9 +122,9 @@ private:
         Lanes travelled, reflection, shininess;
         ColourLanes colour, ambient, diffuse, highlight;
         DepartureLanes departure;
-        bool depart_alike;  // all of the same face
-        bool is_mirrored;   // `mirrored` is known
         std::array<SampleKey, width> key;
+        bool depart_alike;                               // all of the same face
+        bool is_mirrored;                                // `mirrored` is known
         std::array<std::uint32_t, width> light_samples;  // taken so far along the path
 
         bool is_full() const { return count == width; }
