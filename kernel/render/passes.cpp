@@ -30,7 +30,7 @@ constexpr double least_coarse_error = 0.01;
 // Even for these, the middles of the pixels and edges between them will do where rays go straight on. What is thinner than a
 // pixel can hide from them, which would matter to smaller errors. What is seen through glass is tangled, and edges in it are
 // worth following for large errors only.
-constexpr double least_error_from_middles = least_coarse_error, least_error_from_middles_through_glass = 0.1;
+constexpr double least_error_from_middles = least_coarse_error, least_error_from_middles_through_glass = 0.2;
 constexpr std::uint32_t first_samples_of_signed_filter = 16;  // so that negative lobes cannot outweigh the rest
 constexpr std::uint32_t fewest_at_most = 64, most_at_most = 65536;
 constexpr std::uint32_t guessed_refinement = 4;                        // all samples for one of the first, until more is known

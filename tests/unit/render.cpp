@@ -179,7 +179,8 @@ TEST_CASE("a flat picture takes the first samples only, twice as many for small 
                                                                 {RenderSettings::Filter::box, 0.01, true, 2},
                                                                 {RenderSettings::Filter::gaussian, 0.05, false, 2},
                                                                 {RenderSettings::Filter::box, 0.05, true, 2},
-                                                                {RenderSettings::Filter::box, 0.1, true, 1}}) {
+                                                                {RenderSettings::Filter::box, 0.1, true, 2},
+                                                                {RenderSettings::Filter::box, 0.2, true, 1}}) {
         const SamplingPlan plan = rays_are_bent ? adaptive_through_glass(error) : adaptive(error);
         const RenderReport report =
             render_passes(flat, CameraRays({}, 40, 30), PixelFilter(filter, default_radius(filter)), plan, frame, {});
